@@ -24,7 +24,6 @@ pub static SHADERS: Sources = Sources {
         &scan::CONSTANTS,
         &project::CONSTANTS,
         &soft::CONSTANTS,
-        &sorted::CONSTANTS,
         &spbr::CONSTANTS,
         &tiles::CONSTANTS,
     ],

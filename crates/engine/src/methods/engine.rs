@@ -6,7 +6,7 @@ use std::ops::{Deref, Range};
 use crate::progress::Progress;
 
 use super::explain::Explain;
-use super::parts::{Plane, SamplePart};
+use super::parts::{Plane, SamplePart, Sums};
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
@@ -16,7 +16,6 @@ use crate::passes::foresight::Place;
 use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
-use crate::random::STRATUM;
 use crate::scene::MAX_LAYERS;
 
 /// A family of methods with the settings of one of them: how its frames are cut into windows, rendered and counted.
@@ -126,27 +125,6 @@ pub(crate) trait Engine: Explain {
     /// # Errors
     /// The device failed.
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error>;
-}
-
-/// Sums that the random samples of a pixel leave before they are resolved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Sums {
-    /// Whole numbers over ensembles.
-    Ensembles,
-    /// Float32 numbers of each batch of samples.
-    Samples,
-    /// Float32 numbers of each batch of samples, and the exact A, which corrects them.
-    Corrected,
-}
-
-impl Sums {
-    /// Returns the number of samples between two places where they may be cut.
-    pub fn step(self) -> u32 {
-        match self {
-            Self::Ensembles => 1,
-            Self::Samples | Self::Corrected => super::stochastic::MOST_STRATA * STRATUM,
-        }
-    }
 }
 
 /// Values that an engine can count for each pixel, in addition to color and depth.

@@ -51,9 +51,9 @@ pub use frame_profile::{FrameProfile, PassProfile};
 pub use parts::{DrawnPart, PartError, SamplePart, SampleSteps};
 pub use reach::{need_subgroups, without_subgroups};
 pub use renderer::{Rendered, Renderer, Source, Upload};
-pub use sorted::Stop;
-pub use target::{Pixels, Target};
+pub use target::{Layer, Pixels, Target};
 
+pub use crate::passes::compose::Stop;
 pub use crate::passes::timeline::Timeline;
 
 use crate::gpu::Device;
@@ -155,7 +155,7 @@ pub(crate) struct Resources {
     /// Splats in three passes.
     pub splatter: splats::Splatter,
     /// Solid points of a window that has soft ones; soft points of one whose layer they are.
-    pub layer: soft::Layer,
+    pub layer: Layer,
     /// The nearest splats and points.
     pub opaque: opaque::Opaque,
     /// Filtered images of points.
@@ -188,7 +188,7 @@ impl Buffers {
             lists: abuffer::ABuffer::new(device)?,
             bins: Bins::new(device)?,
             splatter: splats::Splatter::default(),
-            layer: soft::Layer::default(),
+            layer: Layer::default(),
             opaque: opaque::Opaque::default(),
             filterer: image_space::Filterer::new(device)?,
             approximations: approximate::Approximations::default(),

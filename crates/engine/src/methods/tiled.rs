@@ -5,13 +5,32 @@ use super::bytes::PassRuns;
 use super::engine::{Counts, Work};
 use super::explain::{Absent, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
 use super::walker::walker;
-use super::{Buffers, Error, Facts, Frame, Outcome, Resources, sorted};
-use crate::gpu::Device;
-use crate::passes::bands::{self, Window};
-use crate::passes::bin::{self, Bins, Order, RECORD_BYTES};
+use super::{Buffers, Error, Facts, Frame, Outcome, Resources};
+use crate::gpu::{Device, Recorder};
+use crate::group;
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::bin::{self, Bin, Binned, Bins, Order, RECORD_BYTES};
+use crate::passes::compose;
 use crate::passes::project::DeviceCloud;
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{self, DiscShape, Discs};
+
+group! {
+    /// Bindings of stages that keep sums for each pixel, besides the tiles.
+    pub Sums as SumsGroup {
+        /// Premultiplied color and A of the window's pixels.
+        image: ReadWrite<[f32; 4]>,
+        /// Depths of the window's pixels.
+        depths: ReadWrite<f32>,
+        /// State that a run leaves to the next.
+        kept: ReadWrite<[f32; 4]>,
+    }
+}
+
+/// Bytes of a pixel's state between two runs.
+pub(super) const STATE_BYTES: u64 = 64;
+/// Up to so many pixels a window has room for their state whatever else there is.
+pub(super) const SMALL_WINDOW: u64 = 256;
 
 /// A stage that goes through tiles of splats.
 pub(crate) trait Stage {
@@ -78,7 +97,7 @@ pub(super) fn render(
     let (pixels, max_color) = (bands::pixels(window), cloud.max_color(&how));
     let mut counted_bytes = pixels * stage.used_bytes(frame);
     if frame.fragments {
-        let stop = sorted::stop(frame.stop, frame.color, max_color);
+        let stop = compose::stop(frame.stop, frame.color, max_color);
         let lists = abuffer::WindowJob {
             raster,
             discs,
@@ -100,6 +119,45 @@ pub(super) fn render(
         work.note(&stats, walker);
     }
     Ok(outcome)
+}
+
+/// Bins the splats of a window, hands its tiles to `draw`, which records their pixels or finds that the window must be
+/// cut (`None`), and copies the window to the host. The smallest window takes `small` bytes beside those of the tiles.
+pub(super) fn blend<'a, 'w: 'a>(
+    bins: &'a mut Bins,
+    work: &mut Work<'w>,
+    (bin, small): (&bin::Job<'_>, u64),
+    name: &str,
+    draw: impl FnOnce(&'a Bins, &mut Work<'w>, Binned) -> Result<Option<Recorder<'a>>, Error>,
+) -> Result<Outcome, Error> {
+    let (device, target, pixels) = (work.device, work.target, work.pixels());
+    let mut recorder;
+    match bins.bin(device, bin, work.timeline).map_err(|error| beside(error.into(), small))? {
+        Bin::TooLarge => return Ok(Outcome::Overflow),
+        Bin::Nothing => {
+            recorder = work.timeline.recorder(device)?;
+            target.pixels().record_nothing(&mut recorder, work.window)?;
+        }
+        Bin::Done(binned) => {
+            work.note_binned(binned);
+            let Some(drawn) = draw(bins, work, binned)? else { return Ok(Outcome::Overflow) };
+            recorder = drawn;
+            work.facts.bands += 1;
+        }
+    }
+    target.record_read_back(&mut recorder, pixels)?;
+    work.timeline.submit(recorder, name)?;
+    Ok(Outcome::Done)
+}
+
+/// Returns an error whose budget leaves room for `more` bytes besides.
+fn beside(error: Error, more: u64) -> Error {
+    match error {
+        Error::SortOverBudget { points, needed, available, .. } => {
+            Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed + more) }
+        }
+        other => other,
+    }
 }
 
 /// List lengths of the window that was counted last, if the frame asks for them.

@@ -21,6 +21,13 @@ gpu_struct! {
     }
 }
 
+gpu_struct! {
+    /// Push constants: a number of elements.
+    pub struct CountPush {
+        count: u32,
+    }
+}
+
 /// The visitor of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Walker {

@@ -1,5 +1,7 @@
 //! Large splats by tile: which of them meet each tile of 16 × 16 pixels of the window, chunk by chunk.
 
+pub use super::bands::TILE;
+
 use super::bands::Window;
 use super::project::{Bounds, DeviceCloud, Stats, View};
 use super::scan::Scan;
@@ -7,8 +9,6 @@ use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice};
 use crate::{gpu_struct, pass};
 
-/// Side of a tile in pixels.
-pub const TILE: u32 = 16;
 /// Large splats of a tile that one workgroup walks; `SEGMENT` in WGSL.
 pub const SEGMENT: u32 = 4096;
 

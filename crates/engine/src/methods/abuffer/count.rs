@@ -1,12 +1,13 @@
 //! Counts a window's fragments, and finds where each pixel's list begins.
 
 use super::capacity::Need;
-use super::passes::{CountPush, Lengths, Measure};
+use super::passes::{Lengths, Measure};
 use super::{ABuffer, Bodies, LOCAL_LENGTH, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
 use crate::methods::{Error, Facts, Timeline};
 use crate::passes::bands::{self, Band};
 use crate::passes::foresight::Place;
+use crate::passes::raster::CountPush;
 use crate::passes::scan::Scan;
 
 /// Pixels of one invocation of `abuffer/measure`.

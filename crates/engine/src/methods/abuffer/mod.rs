@@ -19,9 +19,7 @@ mod passes;
 mod samples;
 mod storing;
 
-pub use blend::{
-    Blender, Blending, CLASSES, Runs, in_place_length, least_bytes, long_groups, lower_bound, record_nothing,
-};
+pub use blend::{Blender, Blending, CLASSES, Runs, in_place_length, least_bytes, long_groups, lower_bound};
 pub(crate) use blend::{CONSTANTS, Sorting, composing_variant, occurring};
 pub(crate) use bytes::list_bytes;
 pub(crate) use explain::{
@@ -164,7 +162,7 @@ impl ABuffer {
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = work.timeline.recorder(device)?;
             if i == 0 {
-                record_nothing(&mut recorder, target, job.raster.window)?;
+                target.pixels().record_nothing(&mut recorder, job.raster.window)?;
             }
             if band.fragments > 0 {
                 self.record_store(&mut recorder, job, band, &counted)?;

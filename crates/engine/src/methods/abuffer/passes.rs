@@ -2,7 +2,7 @@
 
 use crate::passes::bin::{TiledGroup, TilesPush};
 use crate::passes::compose::ComposingGroup;
-use crate::passes::raster::{ChunkGroup, RasterPush};
+use crate::passes::raster::{ChunkGroup, CountPush, RasterPush};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -28,13 +28,6 @@ gpu_struct! {
         first_fragment: u32,
         max_opacity: f32,
         max_color: f32,
-    }
-}
-
-gpu_struct! {
-    /// Push constants: a number of elements.
-    pub struct CountPush {
-        count: u32,
     }
 }
 

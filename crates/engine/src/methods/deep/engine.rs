@@ -11,9 +11,10 @@ use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Explain, Plan};
 use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
-use crate::methods::{Buffers, Error, Frame, Outcome, Resources, sorted};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop};
 use crate::output::deep::State;
 use crate::passes::bands::{Budget, Window};
+use crate::passes::compose;
 use crate::passes::project::DeviceCloud;
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{Discs, Kernel};
@@ -60,7 +61,7 @@ impl DeepEngine<'_> {
         let bodies = self.state == State::Sorted;
         // Of an event a surface, and what lies behind it.
         let each = if storing.needs().every_run && !bodies { 2 } else { 1 };
-        let ends = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
+        let ends = compose::stop(Stop::Exact, frame.color, 1.0);
         let job = WindowJob { raster, discs, storing, stop: ends, shown: Shown::First, budget, samples: Some(each) };
         let wanted = Wanted { state: self.state, layers, stop };
         let most = lists.samples(work, &job, Sampling { bodies }, &mut |taken| self.take(taken, None, wanted))?;

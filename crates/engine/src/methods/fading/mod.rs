@@ -9,14 +9,13 @@ pub(crate) use engine::FadingEngine;
 pub use passes::*;
 
 use self::passes::with_cells;
-pub(super) use self::passes::{OneRun, by_moments, learning, leaving, with_moments};
-use super::abuffer::record_nothing;
-use super::approximate::{STATE_BYTES, Sums, beside};
+pub(super) use self::passes::{by_moments, leaving, with_moments};
 use super::engine::Work;
+use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Sums};
 use super::{Error, Facts, Outcome, Target};
-use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
+use crate::gpu::{Device, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins};
+use crate::passes::bin::{self, Binned, Bins};
 use crate::passes::compose;
 use crate::scene::{Discs, MomentCount, Moments};
 
@@ -54,8 +53,6 @@ pub(super) fn pairs(moments: MomentCount) -> u64 {
 
 /// Bytes of a pair of floats, as also the range of depths of a pixel is.
 pub(super) const PAIR_BYTES: u64 = 8;
-/// Up to so many pixels a window has room for what is known of them whatever else there is.
-const SMALL_WINDOW: u64 = 256;
 
 /// Returns the number of device bytes of a pixel while a window is rendered.
 pub fn pixel_bytes(fading: Fading) -> u64 {
@@ -106,29 +103,16 @@ impl Fadings {
         work: &mut Work<'_>,
         job: &WindowJob<'_>,
     ) -> Result<Outcome, Error> {
-        let (device, target, window) = (work.device, work.target, job.bin.raster.window);
-        let pixels = bands::pixels(window);
+        let (device, target, pixels) = (work.device, work.target, bands::pixels(job.bin.raster.window));
         let mut bin = job.bin;
         bin.counted_bytes += pixels * pixel_bytes(job.fading);
         let small = SMALL_WINDOW * pixel_bytes(job.fading);
-        let mut recorder;
-        match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), small))? {
-            Bin::TooLarge => return Ok(Outcome::Overflow),
-            Bin::Nothing => {
-                recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
-            }
-            Bin::Done(binned) => {
-                work.note_binned(binned);
-                self.reserve(device, pixels, job.fading, binned.region_segments() > 1)?;
-                work.facts.bands += 1;
-                recorder = work.timeline.recorder(device)?;
-                self.record(bins, &mut recorder, job, binned, target)?;
-            }
-        }
-        target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.submit(recorder, "accumulate")?;
-        Ok(Outcome::Done)
+        tiled::blend(bins, work, (&bin, small), "accumulate", |bins, work, binned| {
+            self.reserve(device, pixels, job.fading, binned.region_segments() > 1)?;
+            let mut recorder = work.timeline.recorder(device)?;
+            self.record(bins, &mut recorder, job, binned, target)?;
+            Ok(Some(recorder))
+        })
     }
 
     fn reserve(&mut self, device: &Device, pixels: u64, fading: Fading, kept: bool) -> Result<(), Error> {
@@ -152,52 +136,29 @@ impl Fadings {
         let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
         let (known, ranges) = (self.known.get().all(), self.ranges.get().all());
-        let stages = Stages { shape, binned };
+        let runs = binned.region_segments();
+        let learning = |run| bin::region_variant(shape.clone(), run);
+        let leaving = |run| leaving(shape.clone(), run);
         match job.fading {
             Fading::Moments(moments) => {
                 let estimate = Estimate::new(&moments, job.depth_range);
-                let push = |number| MomentPush { walk: binned.walk(number), estimate };
+                let push = |walk| MomentPush { walk, estimate };
                 let counted = |variant| with_moments(variant, moments.moments.get());
-                stages.record(recorder, &GatherMoments { tiles, known }, push, |s, run| counted(learning(s, run)))?;
-                stages.record(recorder, &WeighByMoments { tiles, sums, known }, push, |s, run| counted(leaving(s, run)))
+                let (gather, weigh) = (GatherMoments { tiles, known }, WeighByMoments { tiles, sums, known });
+                binned.record_runs(recorder, &gather, runs, push, |run| counted(learning(run)))?;
+                binned.record_runs(recorder, &weigh, runs, push, |run| counted(leaving(run)))?;
             }
             Fading::Wavelet(rank) => {
-                let push = |number| WaveletPush { walk: binned.walk(number) };
+                let push = |walk| WaveletPush { walk };
                 let cut = |variant| with_cells(variant, 2 << rank);
+                let gather = GatherCells { tiles, ranges, cells: known };
                 let weigh = WeighByCells { tiles, sums, ranges, cells: known };
-                stages.record(recorder, &FindRange { tiles, ranges }, push, learning)?;
-                stages.record(recorder, &GatherCells { tiles, ranges, cells: known }, push, |s, run| {
-                    cut(learning(s, run))
-                })?;
-                stages.record(recorder, &weigh, push, |s, run| cut(leaving(s, run)))
+                binned.record_runs(recorder, &FindRange { tiles, ranges }, runs, push, learning)?;
+                binned.record_runs(recorder, &gather, runs, push, |run| cut(learning(run)))?;
+                binned.record_runs(recorder, &weigh, runs, push, |run| cut(leaving(run)))?;
             }
         }
-    }
-}
-
-/// Stages over all tiles.
-pub(super) struct Stages {
-    /// Shape and falloff.
-    pub shape: Variant,
-    /// The tiles.
-    pub binned: Binned,
-}
-
-impl Stages {
-    /// Runs a stage until the longest list of a tile is done.
-    pub fn record<'a, P: Pass + 'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        pass: &P,
-        push: impl Fn(u32) -> P::Push,
-        variant: impl Fn(Variant, OneRun) -> Variant,
-    ) -> Result<(), Error> {
-        let of = self.binned.region_segments();
-        (0..of).try_for_each(|number| {
-            let run = OneRun { later: number > 0, kept: of > 1, lanes: self.binned.lanes() };
-            let over = Run::new(self.binned.over_blocks());
-            Ok(recorder.run(pass, push(number), &over.variant(variant(self.shape.clone(), run)))?)
-        })
+        Ok(())
     }
 }
 

@@ -7,8 +7,9 @@ use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
-use crate::methods::{Buffers, Error, Frame, Outcome, sorted, tiled};
+use crate::methods::{Buffers, Error, Frame, Outcome, tiled};
 use crate::passes::bands::{Budget, Window};
+use crate::passes::compose;
 use crate::passes::project::{DeviceCloud, Footprint, Part, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{BlendedSplats, Discs, OneLayer};
@@ -45,7 +46,7 @@ fn count(
     let Some(budget) = work.reserve_tiles(tiles, stats, true)? else { return Ok(Outcome::Overflow) };
     work.budget = budget;
     let raster = Raster { cloud, stats, tiles, walker: Walker::Compute, footprint, window: work.window };
-    let stop = sorted::stop(work.frame.stop, work.frame.color, 1.0);
+    let stop = compose::stop(work.frame.stop, work.frame.color, 1.0);
     let job = abuffer::WindowJob {
         raster,
         discs: Discs::default(),

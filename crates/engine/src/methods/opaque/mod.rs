@@ -6,15 +6,15 @@ mod engine;
 
 pub(crate) use engine::{NearestEngine, counter_group, pass_group, tile_group};
 
+use super::Error;
 use super::engine::Work;
-use super::{Error, abuffer};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Kept, Memory, Run, Variant};
 use crate::passes::bands::{self, Band};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{self, ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, ChunkGroup, CountPush, Raster, RasterPush};
 use crate::passes::tiles::SEGMENT;
 use crate::scene::{Falloff, Relief};
 use crate::{choices, gpu_struct, pass};
@@ -53,7 +53,7 @@ pass! {
 
 pass! {
     /// Turns the index of the nearest splat of each pixel into color and depth.
-    pub Resolve(abuffer::CountPush) = "opaque/resolve" {
+    pub Resolve(CountPush) = "opaque/resolve" {
         composing: Shared<ComposingGroup>,
         nearest: Read<NearestSplat>,
         image: ReadWrite<[f32; 4]>,
@@ -104,7 +104,7 @@ impl Opaque {
         let composing = Composing::new(raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
         let resolve = Resolve { composing, nearest, image, depths };
-        let push = abuffer::CountPush { count: pixels as u32 };
+        let push = CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;

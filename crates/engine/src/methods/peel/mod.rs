@@ -10,7 +10,6 @@ mod engine;
 
 pub(crate) use engine::{PeelEngine, pass_group};
 
-use super::abuffer::CountPush;
 use super::engine::Work;
 use super::opaque::NearestSplat;
 use super::told::Told;
@@ -22,7 +21,7 @@ use crate::passes::bands::{self, Band, Window};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::foresight::Knowledge;
 use crate::passes::project::{DISCS, Footprint};
-use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, Chunk, ChunkGroup, CountPush, Raster, RasterPush};
 use crate::scene::{Falloff, Peel};
 use crate::{gpu_struct, pass};
 

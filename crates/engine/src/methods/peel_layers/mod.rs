@@ -19,6 +19,7 @@ use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, V
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
+use crate::passes::project::points_dispatch;
 use crate::{gpu_struct, pass};
 
 /// Layers of a submission: what is recorded beyond the last layer costs something, too.
@@ -158,7 +159,7 @@ impl LayerPeeler {
         let of = |name, dispatch| recorder.arguments(name, dispatch);
         let mut words = Vec::new();
         for (_, count) in job.cloud.chunks() {
-            words.push(of("points/nearest", super::points::nearest_dispatch(count))?);
+            words.push(of("points/nearest", points_dispatch(count))?);
         }
         words.push(of("image-space/measure", job.measure_dispatch())?);
         words.push(of("image-space/list", job.list_dispatch())?);

@@ -7,24 +7,18 @@ mod engine;
 
 pub(crate) use engine::{PointsEngine, pass_group};
 
+use super::Error;
 use super::engine::Work;
 use super::opaque::{NearestSplat, Opaque};
-use super::{Error, abuffer};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
+use crate::pass;
 use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Places, PlacesGroup, Projecting, Shaded, Stats, View};
-use crate::{gpu_struct, pass};
-
-gpu_struct! {
-    /// Push constants: points of the chunk, its number, and the index of its first point among all.
-    pub struct PointsPush {
-        count: u32,
-        chunk: u32,
-        first: u32,
-    }
-}
+use crate::passes::project::{
+    DeviceCloud, POINTS_RUN, Places, PlacesGroup, PointsPush, Projecting, Shaded, Stats, View, points_dispatch,
+};
+use crate::passes::raster::CountPush;
 
 pass! {
     /// Finds the pixel and depth of each point, and takes the 64-bit atomic minimum of depth key and point index there.
@@ -61,7 +55,7 @@ pass! {
 
 pass! {
     /// Turns the index of the nearest point of each pixel into color, shaded only here, and depth.
-    pub Resolve(abuffer::CountPush) = "points/resolve" {
+    pub Resolve(CountPush) = "points/resolve" {
         camera: Uniform<View>,
         points_hi: Parts<[f32; 4]>,
         points_lo: Parts<[f32; 4]>,
@@ -76,14 +70,10 @@ pass! {
 /// The passes that find the nearest points, by 64-bit atomics and without.
 pub(crate) const NEAREST: [&str; 3] = ["points/nearest", "points/nearest-depth", "points/nearest-id"];
 
-/// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the
-/// fewer such ends.
-pub(super) const RUN: u64 = 16;
-
 /// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without
 /// those nearer than their pixel's limit.
 fn nearest_variant(cull: bool, limited: bool) -> Variant {
-    Variant::plain().with("RUN", RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
+    Variant::plain().with("RUN", POINTS_RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
 }
 
 /// Points that are searched for the nearest ones, and how the search is dispatched.
@@ -95,11 +85,6 @@ pub struct Choice<'a> {
     pub limits: Option<Slice<'a, u32>>,
     /// Four words for each chunk, of indirect dispatches.
     pub dispatches: Option<Slice<'a, u32>>,
-}
-
-/// Returns the dispatch of a pass over a chunk of so many points.
-pub fn nearest_dispatch(count: u64) -> Dispatch<'static> {
-    Dispatch::Invocations(count.div_ceil(RUN))
 }
 
 impl Opaque {
@@ -130,7 +115,7 @@ impl Opaque {
             image: target.image(),
             depths: target.depths(),
         };
-        let push = abuffer::CountPush { count: pixels as u32 };
+        let push = CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(how.shaded(cloud.has_normals()).cut(cut)))?;
         target.record_read_back(&mut recorder, pixels)?;
@@ -156,7 +141,7 @@ pub(super) fn record_nearest<'a>(
     };
     let run = |chunk: usize, (_, count): (u64, u64)| {
         let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
-        let dispatch = indirect.unwrap_or(nearest_dispatch(count));
+        let dispatch = indirect.unwrap_or(points_dispatch(count));
         Run::new(dispatch).variant(nearest_variant(cull, choice.limits.is_some()))
     };
     let bound = |(first, count): (u64, u64)| {

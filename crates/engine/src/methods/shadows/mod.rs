@@ -12,11 +12,11 @@ pub(crate) use images::{see, share};
 
 use crate::progress::Progress;
 
-use super::{Error, Frame, Timeline, points};
+use super::{Error, Frame, Timeline};
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};
-use crate::passes::project::{DeviceCloud, PlacesGroup, Projecting};
+use crate::passes::project::{DeviceCloud, POINTS_RUN, PlacesGroup, PointsPush, Projecting, points_dispatch};
 use crate::scene::{Light, ShadingModel};
 use crate::{gpu_struct, pass};
 use lights::LightView;
@@ -58,7 +58,7 @@ pass! {
     /// Finds the pixel and depth of each point through a light's camera, and takes the 32-bit atomic minimum of the
     /// depth key there. It runs, as `shadows/clear`, `shadows/fill` and `shadows/lit` do, once for each light, or for
     /// each of its six faces.
-    pub Nearest(points::PointsPush) = "shadows/nearest" {
+    pub Nearest(PointsPush) = "shadows/nearest" {
         places: Shared<PlacesGroup>,
         nearest: ReadWrite<u32>,
     }
@@ -76,7 +76,7 @@ pass! {
 pass! {
     /// Finds the pixel of each point again, and takes one light from the points that lie behind the surface there by
     /// more than d̃ / |n_z|.
-    pub Lit(points::PointsPush) = "shadows/lit" {
+    pub Lit(PointsPush) = "shadows/lit" {
         places: Shared<PlacesGroup>,
         normals: ReadWrite<[f32; 4]>,
         depths: Read<f32>,
@@ -113,7 +113,7 @@ fn fill_variant() -> Variant {
 
 /// The variant of `shadows/nearest`.
 fn walk_variant() -> Variant {
-    Variant::plain().with("RUN", points::RUN as u32)
+    Variant::plain().with("RUN", POINTS_RUN as u32)
 }
 
 /// The variant of `shadows/lit`, with one image of a light or with six.
@@ -252,13 +252,13 @@ fn finish(device: &Device, cloud: &mut DeviceCloud, casting: &Casting, timeline:
 }
 
 /// The push constants of the passes over points of a chunk.
-fn push(chunk: usize, (first, count): (u64, u64)) -> points::PointsPush {
-    points::PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 }
+fn push(chunk: usize, (first, count): (u64, u64)) -> PointsPush {
+    PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 }
 }
 
 /// A run of the passes over points.
 fn walk<'a>((_, count): (u64, u64)) -> Run<'a> {
-    Run::new(points::nearest_dispatch(count))
+    Run::new(points_dispatch(count))
 }
 
 /// Records what an image has of the points on the device, through the cloud's view.

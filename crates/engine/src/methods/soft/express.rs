@@ -3,18 +3,16 @@
 //! so that a frame sorts nothing; it is the order of depth for orthographic views along an axis, and close to it
 //! otherwise.
 
-use super::{Layer, SoftModel, record_compose};
+use super::{SoftModel, record_compose};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Kept, Memory, Recorder, Run, Variant};
-use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;
-use crate::methods::sorted::{self, STOP_NEVER, STOPS};
 use crate::methods::told::Told;
-use crate::methods::{Error, Frame, Outcome, Target};
+use crate::methods::{Error, Frame, Layer, Outcome, Target};
 use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
-use crate::passes::compose::{self, Cut};
+use crate::passes::compose::{self, Cut, STOP_NEVER, STOPS};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -95,7 +93,7 @@ impl SoftDiscs {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
+                target.pixels().record_nothing(&mut recorder, window)?;
                 None
             }
             Bin::Done(binned) => {
@@ -146,7 +144,7 @@ impl SoftDiscs {
         let tiles = bins.record_tiles(recorder, cloud, binned)?.tiled;
         let counts = self.counts.get().all();
         let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
-        let (stop, max_color) = sorted::stop(frame.stop, frame.color, job.max_color);
+        let (stop, max_color) = compose::stop(frame.stop, frame.color, job.max_color);
         for segment in 0..binned.segments() {
             let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, max_color };
             let (modulated, counted) = (job.modulated, frame.fragments);
@@ -161,7 +159,7 @@ impl SoftDiscs {
 /// Properties on which a variant of `soft/express` depends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ExpressKind {
-    /// `STOP` in WGSL, from [`sorted::stop`].
+    /// `STOP` in WGSL, from [`compose::stop`].
     pub stop: u32,
     /// `true` if solid points cut it.
     pub cut: bool,

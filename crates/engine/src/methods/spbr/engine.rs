@@ -5,8 +5,9 @@ use super::{Form, Scale, WindowJob, is_listed, least_bytes, shares, slots_of, st
 use crate::camera::Projection;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
+use crate::methods::engine::{Channels, Counts, Engine, Work};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
+use crate::methods::parts::Sums;
 use crate::methods::{Buffers, Error, Frame, Outcome, SamplePart};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::project::{DeviceCloud, Projecting};

@@ -12,13 +12,13 @@ use super::stream::Stream;
 use super::tasks::{Task, Tasks};
 use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
 use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::abuffer::CountPush;
 use crate::methods::engine::Work;
 use crate::methods::parts::Plane;
 use crate::methods::{Error, SamplePart, Target};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::Column;
+use crate::passes::raster::CountPush;
 
 /// Most slots after which is submitted, so that no submission takes seconds.
 const SUBMITTED_SLOTS: u64 = 1 << 23;

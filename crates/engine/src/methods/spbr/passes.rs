@@ -1,8 +1,8 @@
 //! The passes.
 
-use crate::methods::abuffer::CountPush;
 use crate::methods::opaque::NearestSplat;
 use crate::passes::project::View;
+use crate::passes::raster::CountPush;
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {

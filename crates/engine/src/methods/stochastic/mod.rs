@@ -15,9 +15,8 @@ mod tiles;
 pub(crate) use engine::{StochasticEngine, pass_groups};
 pub use tiles::{Accumulate, StochasticPush, Visibility};
 
-use super::abuffer::record_nothing;
 use super::engine::Work;
-use super::parts::Plane;
+use super::parts::{MOST_STRATA, Plane};
 use super::told::Told;
 use super::{Error, Facts, Outcome, SamplePart, Target};
 use crate::choices::Choices;
@@ -30,8 +29,6 @@ use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
 use crate::{choices, gpu_struct, pass};
 
-/// Most strata that go through the splats together.
-pub const MOST_STRATA: u32 = 4;
 /// Samples of the first round where an error is asked for: the spread of four strata tells how many it takes.
 pub const FIRST_SAMPLES: u32 = 16;
 
@@ -350,7 +347,7 @@ impl Sampler {
             return Ok(());
         }
         let mut recorder = work.timeline.recorder(work.device)?;
-        record_nothing(&mut recorder, work.target, job.bin.raster.window)?;
+        work.target.pixels().record_nothing(&mut recorder, job.bin.raster.window)?;
         // As where something else shows in the window: one stratum tells no spread.
         let spread = if job.settings.samples <= STRATUM { f32::INFINITY } else { 0.0 };
         recorder.fill("image/clear", self.spread.get().all(), spread.to_bits())?;

@@ -10,6 +10,7 @@ mod keys;
 mod lanes;
 mod ordered_tiles;
 mod passes;
+mod runs;
 mod sort;
 mod tile_lists;
 
@@ -19,6 +20,7 @@ pub use lanes::Lanes;
 pub use ordered_tiles::OrderedTiles;
 pub(crate) use ordered_tiles::{fold_blocks_variant, fold_variant, gather_variant, region_variant};
 pub use passes::*;
+pub(crate) use runs::{OneRun, run_variants};
 pub use sort::{order_runs, sort_bytes};
 
 use self::binning::{BLOCK_SIDE, Binning, INDEX_BITS, TILE_SIDE};

@@ -18,10 +18,9 @@ use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::Target;
-use crate::methods::sorted::{STOP_EXACT, STOP_NEVER, STOPS};
-use crate::passes::bands::{self, Band};
+use crate::passes::bands::Band;
 use crate::passes::bin::OrderedTiles;
-use crate::passes::compose::{self, Composing, Cut};
+use crate::passes::compose::{self, Composing, Cut, STOP_EXACT, STOP_NEVER, STOPS};
 use crate::passes::project::Footprint;
 use crate::scene::{Falloff, LongLists};
 
@@ -497,13 +496,6 @@ pub(crate) fn composing_variant(compose: Variant, shown: Shown) -> Variant {
 /// The variant of `abuffer/resolve-ordered`.
 fn ordered_variant(cut: Cut, falloff: Falloff, stop: u32) -> Variant {
     compose::variant(cut, Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
-}
-
-/// Pixels and depths of nothing: no color, no coverage, infinitely far.
-pub fn record_nothing<'a>(recorder: &mut Recorder<'a>, target: &'a Target, window: bands::Window) -> Result<(), Error> {
-    let pixels = bands::pixels(window);
-    recorder.fill("image/clear", target.image().first(pixels), 0)?;
-    recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())
 }
 
 /// Constants that shaders share with this module.

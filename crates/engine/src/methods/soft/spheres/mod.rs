@@ -20,17 +20,16 @@ pub use passes::*;
 
 use self::interior::MODEL_BASE;
 use self::long_lists::{run_variant, segments_variant};
-use super::{Layer, SoftModel};
+use super::SoftModel;
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
 use crate::methods::abuffer::{
     self, Blender, Blending, Bodies, LOCAL_LENGTH, Needs, Room, Sorting, StoreFragments, occurring,
 };
-use crate::methods::sorted::STOPS;
-use crate::methods::{Error, Target, splats};
+use crate::methods::{Error, Layer, Target, splats};
 use crate::passes::bands::Band;
-use crate::passes::compose::Cut;
+use crate::passes::compose::{Cut, STOPS};
 use crate::passes::project::Footprint;
 use crate::passes::raster::{self, Chunk, Raster};
 use crate::passes::tiles::SEGMENT;

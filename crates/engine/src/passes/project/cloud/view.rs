@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Projecting;
-use super::cloud::{DeviceCloud, split};
+use super::column::split;
+use super::{DeviceCloud, Projecting};
 use crate::camera::{Camera, Projection};
 use crate::gpu::{Recorder, Slice};
 use crate::gpu_struct;
