@@ -111,8 +111,10 @@ pub(crate) trait Engine: Explain {
         false
     }
 
-    /// The values that the engine can count for each pixel.
-    fn channels(&self) -> Channels;
+    /// Returns the values that the engine can count for each pixel.
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
 
     /// Renders a window into the target and copies it to the host, or only counts it ([`Work::survey`]).
     ///
@@ -120,11 +122,16 @@ pub(crate) trait Engine: Explain {
     /// The device lacks a feature or memory, even for the smallest window.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error>;
 
-    /// Counts of the window that was rendered last, where the frame asks for them.
+    /// Returns counts of the window that was rendered last, where the frame asks for them.
     ///
     /// # Errors
     /// The device failed.
-    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error>;
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        match self.channels().fragments {
+            Fragments::Never => Ok(Counts::default()),
+            Fragments::Beside | Fragments::Within => buffers.resources.lists.counts(frame, window),
+        }
+    }
 }
 
 /// Values that an engine can count for each pixel, in addition to color and depth.

@@ -13,7 +13,9 @@ use crate::scene::ShadingModel;
 pub(crate) trait Explain {
     /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted.
     /// `None` where that is not known.
-    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
+    fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
+        None
+    }
 
     /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves
     /// out.

@@ -10,7 +10,7 @@ use super::linked_list::LinkedLists;
 use super::projecting::discs as projecting;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, project, windows_of};
+use crate::methods::engine::{Channels, Engine, Work, project, windows_of};
 use crate::methods::explain::{Explain, Plan};
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop, Timeline, tiled};
@@ -169,10 +169,6 @@ impl Engine for ListEngine {
             work.note(&stats, walker);
         }
         Ok(outcome)
-    }
-
-    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        buffers.resources.lists.counts(frame, window)
     }
 }
 

@@ -2,15 +2,14 @@
 
 use super::abuffer;
 use super::bytes::PassRuns;
-use super::engine::{Counts, Work};
-use super::explain::{Absent, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
+use super::engine::{Channels, Engine, Work};
+use super::explain::{Absent, Explain, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
 use super::walker::walker;
 use super::{Buffers, Error, Facts, Frame, Outcome, Resources};
-use crate::gpu::{Device, Recorder};
+use crate::gpu::{Device, DeviceInfo, Recorder};
 use crate::group;
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Binned, Bins, Order, RECORD_BYTES};
-use crate::passes::compose;
 use crate::passes::project::DeviceCloud;
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{self, DiscShape, Discs};
@@ -74,6 +73,57 @@ pub(crate) trait Stage {
     ) -> Result<Outcome, Error>;
 }
 
+/// A stage that is all of its method besides the projection: an engine by itself.
+pub(crate) trait Whole: Stage {
+    /// Cuts a frame into windows that fit the budget.
+    fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window>;
+
+    /// Cuts a window that turned out to be too large; `None` for a single pixel.
+    fn halves(&self, window: Window) -> Option<[Window; 2]> {
+        bands::halves(window)
+    }
+
+    /// Returns the passes behind the tiles, in the order in which they run.
+    fn passes(&self) -> &'static [&'static str];
+
+    /// Returns the number of bytes that one of them must at least move.
+    fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
+        None
+    }
+}
+
+impl<S: Whole> Engine for S {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(Whole::windows(self, frame, budget))
+    }
+
+    fn halves(&self, window: Window) -> Option<[Window; 2]> {
+        Whole::halves(self, window)
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::LISTS_BESIDE
+    }
+
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        render(self, cloud, buffers, work)
+    }
+}
+
+impl<S: Whole> Explain for S {
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        disc_bytes(pass, &self.discs()).or_else(|| Whole::least_bytes(self, pass))
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        explain(plan, self.passes(), self.order());
+    }
+}
+
 /// Returns bytes per pixel of a window that are in use before its splats are binned.
 pub(super) fn counted_bytes(frame: &Frame) -> u64 {
     if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES }
@@ -97,17 +147,7 @@ pub(super) fn render(
     let (pixels, max_color) = (bands::pixels(window), cloud.max_color(&how));
     let mut counted_bytes = pixels * stage.used_bytes(frame);
     if frame.fragments {
-        let stop = compose::stop(frame.stop, frame.color, max_color);
-        let lists = abuffer::WindowJob {
-            raster,
-            discs,
-            storing: &abuffer::Slots,
-            stop,
-            shown: abuffer::Shown::First,
-            budget,
-            samples: None,
-        };
-        if resources.lists.tally(work, &lists)? == Outcome::Overflow {
+        if resources.lists.tally(work, raster)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
         counted_bytes += pixels * abuffer::PIXEL_BYTES;
@@ -160,11 +200,6 @@ fn beside(error: Error, more: u64) -> Error {
     }
 }
 
-/// List lengths of the window that was counted last, if the frame asks for them.
-pub(super) fn counts(buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-    buffers.resources.lists.counts(frame, window)
-}
-
 /// The stages that go through tiles of ordered splats.
 const STAGES: [&str; 13] = [
     "sorted/blend",
@@ -197,13 +232,8 @@ pub(super) fn stage_group() -> PassGroup {
     PassGroup::new(&STAGES, Absent::Discs("this frame processes tiles of splats by other passes, or has none"))
 }
 
-/// The plan of a frame of one of these stages: the sort of splats, the stage, and the counting of lists.
-pub(super) fn explain(plan: &mut Plan<'_>, name: &'static str, order: Order) {
-    explain_stages(plan, &[name], order);
-}
-
-/// The plan of a frame of several stages, one after the other.
-pub(super) fn explain_stages(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
+/// The plan of a frame of stages, one after the other: the sort of splats, the stages, and the counting of lists.
+fn explain(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     let counters = if plan.seen() { plan.order(order, why) } else { 0 };

@@ -193,7 +193,9 @@ impl ABuffer {
     }
 
     /// Counts the lists of a window for a method that renders without them.
-    pub(crate) fn tally(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+    pub(crate) fn tally(&mut self, work: &mut Work<'_>, raster: Raster<'_>) -> Result<Outcome, Error> {
+        let (discs, storing, budget) = (Discs::default(), &Slots, work.budget);
+        let job = &WindowJob { raster, discs, storing, stop: (0, 1.0), shown: Shown::First, budget, samples: None };
         let counted = self.count(work.device, job, true, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);

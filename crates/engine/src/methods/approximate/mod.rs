@@ -14,11 +14,11 @@ use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Sums, SumsGroup};
 use super::{Error, Facts, Outcome, Target, fading};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Kept, Memory, Recorder, Variant};
-use crate::passes::bands;
 use crate::passes::bin::{self, Binned, Bins, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::passes::project::{DISCS, Footprint};
-use crate::scene::{Discs, MAX_NODES, MomentCount};
+use crate::passes::raster::Raster;
+use crate::scene::{MAX_NODES, MomentCount};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -127,6 +127,7 @@ const _: () = assert!(MAX_NODES <= LAYER_SLOTS[3] + 1);
 const SLOT_BYTES: u64 = 32;
 /// Bytes of the rank of the last fragment that is composed.
 const LAST_BYTES: u64 = 8;
+
 /// An approximation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
@@ -149,48 +150,32 @@ pub enum Kind {
     Mlab(u32),
 }
 
-/// Everything that stays the same while a window is rendered.
-#[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
-    /// The splats to bin.
-    pub bin: bin::Job<'a>,
-    /// Shape and falloff.
-    pub discs: Discs,
-    /// The approximation.
-    pub kind: Kind,
-    /// Near and far.
-    pub depth_range: [f32; 2],
-}
-
-impl WindowJob<'_> {
-    /// Slots of each round of `hybrid` over oriented discs, the last of which has a tail, and of the only one of
+impl Kind {
+    /// Slots of each round of `hybrid` over splats that may cross, the last of which has a tail, and of the only one of
     /// `mlab`. Empty for all else.
-    fn rounds(&self) -> Vec<u32> {
-        match self.kind {
-            Kind::Hybrid { k, .. } if self.bin.raster.footprint.may_cross() => rounds(k),
-            Kind::Mlab(nodes) => vec![layer_slots(nodes)],
+    fn rounds(self, footprint: Footprint) -> Vec<u32> {
+        match self {
+            Self::Hybrid { k, .. } if footprint.may_cross() => rounds(k),
+            Self::Mlab(nodes) => vec![layer_slots(nodes)],
             _ => Vec::new(),
         }
     }
 
     /// Moments of the tail.
-    fn tail(&self) -> Option<MomentCount> {
-        let Kind::Hybrid { tail, .. } = self.kind else { return None };
+    fn tail(self) -> Option<MomentCount> {
+        let Self::Hybrid { tail, .. } = self else { return None };
         tail
     }
 
     /// Device bytes of a pixel from stage to stage.
-    fn kept_bytes(&self, rounds: &[u32]) -> u64 {
+    fn kept_bytes(self, rounds: &[u32]) -> u64 {
         self.tail().map_or_else(|| round_bytes(rounds), tail::pixel_bytes)
     }
 
     /// The most runs over all tiles that it takes to get a stage through the longest list.
-    fn runs_over(&self, binned: Binned, rounds: &[u32]) -> u32 {
-        if self.tail().is_some() {
-            binned.region_segments().max(runs_over(binned, rounds))
-        } else {
-            runs_over(binned, rounds)
-        }
+    fn runs_over(self, binned: Binned, rounds: &[u32]) -> u32 {
+        let runs = runs_over(binned, rounds);
+        if self.tail().is_some() { binned.region_segments().max(runs) } else { runs }
     }
 }
 
@@ -248,24 +233,25 @@ impl Approximations {
         &mut self,
         bins: &mut Bins,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        mut bin: bin::Job<'_>,
+        engine: &ApproximateEngine,
     ) -> Result<Outcome, Error> {
-        let (device, target, rounds) = (work.device, work.target, job.rounds());
-        let pixels = bands::pixels(job.bin.raster.window);
-        let mut bin = job.bin;
-        bin.counted_bytes += pixels * job.kept_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
+        let (device, frame, target, pixels) = (work.device, work.frame, work.target, work.pixels());
+        let (kind, raster) = (engine.kind, bin.raster);
+        let rounds = kind.rounds(raster.footprint);
+        bin.counted_bytes += pixels * kind.kept_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
         let small = SMALL_WINDOW * run_bytes(&rounds);
         tiled::blend(bins, work, (&bin, small), "accumulate", |bins, work, binned| {
-            let kept = job.runs_over(binned, &rounds) > 1;
+            let kept = kind.runs_over(binned, &rounds) > 1;
             if kept && pixels > SMALL_WINDOW {
                 let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
                 if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
                     return Ok(None);
                 }
             }
-            self.reserve(device, pixels, kept, &rounds, job.tail())?;
+            self.reserve(device, pixels, kept, &rounds, kind.tail())?;
             let mut recorder = work.timeline.recorder(device)?;
-            self.record(bins, &mut recorder, job, binned, &rounds, target)?;
+            self.record(bins, &mut recorder, (raster, engine, frame.depth_range()), binned, &rounds, target)?;
             Ok(Some(recorder))
         })
     }
@@ -292,18 +278,18 @@ impl Approximations {
         &'a self,
         bins: &'a Bins,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        (raster, engine, depth_range): (Raster<'a>, &ApproximateEngine, [f32; 2]),
         binned: Binned,
         rounds: &[u32],
         target: &'a Target,
     ) -> Result<(), Error> {
-        let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
+        let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
         let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
-        let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
+        let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
         let (lasts, slots, runs) = (self.lasts.get().all(), self.slots.get().all(), runs_over(binned, rounds));
         let push = |walk| SumPush { walk };
         let sum = |run| sum_variant(shape.clone(), run);
-        match job.kind {
+        match engine.kind {
             Kind::Weighted => binned.record_runs(recorder, &Weighted { tiles, sums }, runs, push, sum)?,
             Kind::Average => binned.record_runs(recorder, &Average { tiles, sums }, runs, push, sum)?,
             Kind::Unsorted => binned.record_runs(recorder, &Unsorted { tiles, sums }, runs, push, sum)?,
@@ -334,7 +320,7 @@ impl Approximations {
                     }
                 }
                 if let Some(moments) = tail {
-                    let (known, depth_range) = (self.moments.get().all(), job.depth_range);
+                    let known = self.moments.get().all();
                     let tail = Tail { tiles, sums, lasts, known, moments, core_alpha_min, depth_range };
                     tail.record(recorder, binned, &shape)?;
                 }

@@ -5,9 +5,8 @@ use std::cell::{Cell, RefCell};
 use super::lists::{self, Wanted};
 use super::{Sink, Source};
 use crate::methods::abuffer::{self, Sampling, Shown, Slots, StoreFragments, Taken, WindowJob};
-use crate::methods::bytes::PassRuns;
 use crate::methods::ellipsoids::Ellipsoids;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Explain, Plan};
 use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
@@ -87,10 +86,6 @@ impl Engine for DeepEngine<'_> {
         }
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let most = match &self.source {
             Source::Discs(discs, layers) => self.discs(cloud, buffers, work, (*discs, *layers))?,
@@ -103,17 +98,9 @@ impl Engine for DeepEngine<'_> {
         self.most.set(self.most.get() + most);
         Ok(Outcome::Done)
     }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
-    }
 }
 
 impl Explain for DeepEngine<'_> {
-    fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
-        None
-    }
-
     /// Frames with plans are those of images.
     fn explain(&self, _plan: &mut Plan<'_>) {}
 }

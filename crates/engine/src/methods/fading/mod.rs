@@ -14,10 +14,11 @@ use super::engine::Work;
 use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Sums};
 use super::{Error, Facts, Outcome, Target};
 use crate::gpu::{Device, Kept, Memory, Recorder};
-use crate::passes::bands::{self, Budget};
+use crate::passes::bands::Budget;
 use crate::passes::bin::{self, Binned, Bins};
 use crate::passes::compose;
-use crate::scene::{Discs, MomentCount, Moments};
+use crate::passes::raster::Raster;
+use crate::scene::{MomentCount, Moments};
 
 /// The numbers that tell how the light of a pixel fades.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,19 +66,6 @@ fn most_pixels(budget: Budget, fading: Fading, other_bytes: u64) -> u64 {
     budget.window_pixels(other_bytes + pixel_bytes(fading)).min(bound)
 }
 
-/// Everything that stays the same while a window is rendered.
-#[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
-    /// The splats to bin.
-    pub bin: bin::Job<'a>,
-    /// Shape and falloff.
-    pub discs: Discs,
-    /// The numbers.
-    pub fading: Fading,
-    /// Near and far.
-    pub depth_range: [f32; 2],
-}
-
 /// Buffers, kept from frame to frame.
 pub struct Fadings {
     known: Kept<[f32; 2]>,
@@ -101,16 +89,16 @@ impl Fadings {
         &mut self,
         bins: &mut Bins,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        mut bin: bin::Job<'_>,
+        engine: &FadingEngine,
     ) -> Result<Outcome, Error> {
-        let (device, target, pixels) = (work.device, work.target, bands::pixels(job.bin.raster.window));
-        let mut bin = job.bin;
-        bin.counted_bytes += pixels * pixel_bytes(job.fading);
-        let small = SMALL_WINDOW * pixel_bytes(job.fading);
+        let (device, frame, target, pixels) = (work.device, work.frame, work.target, work.pixels());
+        bin.counted_bytes += pixels * pixel_bytes(engine.fading);
+        let small = SMALL_WINDOW * pixel_bytes(engine.fading);
         tiled::blend(bins, work, (&bin, small), "accumulate", |bins, work, binned| {
-            self.reserve(device, pixels, job.fading, binned.region_segments() > 1)?;
+            self.reserve(device, pixels, engine.fading, binned.region_segments() > 1)?;
             let mut recorder = work.timeline.recorder(device)?;
-            self.record(bins, &mut recorder, job, binned, target)?;
+            self.record(bins, &mut recorder, (bin.raster, engine, frame.depth_range()), binned, target)?;
             Ok(Some(recorder))
         })
     }
@@ -128,20 +116,20 @@ impl Fadings {
         &'a self,
         bins: &'a Bins,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        (raster, engine, depth_range): (Raster<'a>, &FadingEngine, [f32; 2]),
         binned: Binned,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
+        let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
         let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
-        let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
+        let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
         let (known, ranges) = (self.known.get().all(), self.ranges.get().all());
         let runs = binned.region_segments();
         let learning = |run| bin::region_variant(shape.clone(), run);
         let leaving = |run| leaving(shape.clone(), run);
-        match job.fading {
+        match engine.fading {
             Fading::Moments(moments) => {
-                let estimate = Estimate::new(&moments, job.depth_range);
+                let estimate = Estimate::new(&moments, depth_range);
                 let push = |walk| MomentPush { walk, estimate };
                 let counted = |variant| with_moments(variant, moments.moments.get());
                 let (gather, weigh) = (GatherMoments { tiles, known }, WeighByMoments { tiles, sums, known });

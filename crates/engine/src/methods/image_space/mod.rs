@@ -21,6 +21,7 @@ pub use passes::{
 
 use super::engine::Work;
 use super::opaque::NearestSplat;
+use super::own::Made;
 use super::peel::PeelWork;
 use super::points::{self, Choice};
 use super::{Error, Facts};
@@ -170,9 +171,8 @@ pub struct Filterer {
     pub(super) work: Buffer<PeelWork>,
 }
 
-impl Filterer {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
+impl Made for Filterer {
+    fn made(device: &Device) -> Result<Self, Error> {
         Ok(Self {
             nearest: Kept::new("nearest points", Memory::Device),
             tiles: Kept::new("image tiles", Memory::Device),
@@ -185,7 +185,9 @@ impl Filterer {
             work: device.buffer("layer work", 1, Memory::Device)?,
         })
     }
+}
 
+impl Filterer {
     /// Renders a window of one opaque image, which a survey does not bring to the target.
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
         let device = work.device;
@@ -200,8 +202,7 @@ impl Filterer {
         if !work.survey {
             let target = work.target;
             let pixels = bands::pixels(job.window);
-            recorder.fill("image/clear", target.image().first(pixels), 0)?;
-            recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+            target.pixels().record_nothing(&mut recorder, job.window)?;
             let (entries, depths, colors) = (self.entries.get().all(), self.depths(job), self.colors(job));
             let (image, image_depths) = (target.image(), target.depths());
             let deliver = Deliver { entries, depths, colors, image, image_depths };

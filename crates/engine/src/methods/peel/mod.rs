@@ -12,6 +12,7 @@ pub(crate) use engine::{PeelEngine, pass_group};
 
 use super::engine::Work;
 use super::opaque::NearestSplat;
+use super::own::Made;
 use super::told::Told;
 use super::{Error, Facts, Target};
 use crate::choices::Choices;
@@ -149,9 +150,8 @@ pub struct Peeler {
     last_layers: u32,
 }
 
-impl Peeler {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
+impl Made for Peeler {
+    fn made(device: &Device) -> Result<Self, Error> {
         Ok(Self {
             nearest: Kept::new("nearest fragments", Memory::Device),
             last: Kept::new("last fragments", Memory::Device),
@@ -165,7 +165,9 @@ impl Peeler {
             last_layers: 0,
         })
     }
+}
 
+impl Peeler {
     /// Peels a window into the target.
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);

@@ -11,6 +11,7 @@ pub(crate) use engine::{PeelLayersEngine, pass_group};
 
 use super::engine::Work;
 use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
+use super::own::Made;
 use super::peel::{Next, PeelWork};
 use super::told::Told;
 use super::{Error, Target};
@@ -75,8 +76,9 @@ pub struct LayersJob<'a> {
     pub read_back: bool,
 }
 
-/// Buffers of layers, kept from frame to frame, beside those of their images.
+/// Buffers of layers and their images, kept from frame to frame.
 pub struct LayerPeeler {
+    images: Filterer,
     limits: Kept<u32>,
     layers: Kept<u32>,
     work_host: Buffer<PeelWork>,
@@ -104,10 +106,10 @@ impl<'a> Dispatches<'a> {
     }
 }
 
-impl LayerPeeler {
-    /// No buffers but a small one yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
+impl Made for LayerPeeler {
+    fn made(device: &Device) -> Result<Self, Error> {
         Ok(Self {
+            images: Filterer::made(device)?,
             limits: Kept::new("layer limits", Memory::Device),
             layers: Kept::new("layer counts", Memory::Device),
             work_host: device.buffer("layer work, host", 1, Memory::Readback)?,
@@ -116,23 +118,20 @@ impl LayerPeeler {
             last_layers: 0,
         })
     }
+}
 
+impl LayerPeeler {
     /// Returns layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_layers(&self, window: Window) -> Result<Vec<u32>, Error> {
         self.told.read(self.layers.get(), bands::pixels(window))
     }
 
     /// Peels a window into the target.
-    pub(crate) fn render(
-        &mut self,
-        images: &mut Filterer,
-        work: &mut Work<'_>,
-        job: &LayersJob<'_>,
-    ) -> Result<(), Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &LayersJob<'_>) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
         let image = &job.image;
         let pixels = bands::pixels(image.window);
-        images.reserve(device, image)?;
+        self.images.reserve(device, image)?;
         self.limits.reserve(device, bands::pixels(image.outer))?;
         self.layers.reserve(device, if job.counted { pixels } else { 1 })?;
         self.told.reserve(device, if job.counted { pixels } else { 0 })?;
@@ -140,18 +139,17 @@ impl LayerPeeler {
         let words = Self::arguments(&recorder, image)?;
         self.dispatches.reserve(device, WORDS * words.len() as u64)?;
         recorder.update(self.dispatches.get().all(), words.as_flattened());
-        images.record_clear(&mut recorder, image)?;
+        self.images.record_clear(&mut recorder, image)?;
         recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
-        recorder.fill("image/clear", target.image().first(pixels), 0)?;
-        recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+        target.pixels().record_nothing(&mut recorder, image.window)?;
         work.timeline.go_on(recorder, "peel-layers/clear")?;
 
         let dispatches = self.dispatches.get().all();
         let dispatches = Dispatches { all: dispatches, chunks: image.cloud.chunks().count() as u64 };
-        let layers = self.peel(images, work, job, dispatches)?;
+        let layers = self.peel(work, job, dispatches)?;
         self.last_layers = layers;
         work.facts.layers = work.facts.layers.max(layers);
-        images.note(image, layers, work.facts);
+        self.images.note(image, layers, work.facts);
         Ok(())
     }
 
@@ -167,15 +165,9 @@ impl LayerPeeler {
     }
 
     /// Batch after batch until nothing is left or enough was peeled; the number of layers.
-    fn peel(
-        &self,
-        images: &Filterer,
-        work: &mut Work<'_>,
-        job: &LayersJob<'_>,
-        dispatches: Dispatches<'_>,
-    ) -> Result<u32, Error> {
+    fn peel(&self, work: &mut Work<'_>, job: &LayersJob<'_>, dispatches: Dispatches<'_>) -> Result<u32, Error> {
         let (device, target) = (work.device, work.target);
-        let cut = Cut::new(device, job.image.cloud.len())?;
+        let (cut, images) = (Cut::new(device, job.image.cloud.len())?, &self.images);
         let foreseen = work.timeline.foresight.knowledge() == Knowledge::Bounds;
         let first = if foreseen { BATCH.max(self.last_layers + 1) } else { BATCH };
         let mut recorded = 0;
@@ -189,7 +181,7 @@ impl LayerPeeler {
                 let next = Next { work: images.work.all(), arguments: dispatches.all };
                 recorder.run(&next, (), &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
                 images.record_image(&mut recorder, &job.image, cut, Some(dispatches.emptied()))?;
-                self.record_blend(&mut recorder, images, job, target)?;
+                self.record_blend(&mut recorder, job, target)?;
             }
             if recorded == 0 {
                 job.image.cloud.record_stats(&mut recorder)?;
@@ -212,11 +204,10 @@ impl LayerPeeler {
     fn record_blend<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        images: &'a Filterer,
         job: &LayersJob<'a>,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let image = &job.image;
+        let (image, images) = (&job.image, &self.images);
         let blend = Blend {
             entries: images.entries.get().all(),
             depths: images.depths(image),

@@ -2,7 +2,7 @@
 //!
 //! A window is drawn in two parts: solid points into a layer, as `splats` draws them, and soft points before it.
 
-use super::express::{self, COUNT_BYTES};
+use super::express::{self, COUNT_BYTES, SoftDiscs};
 use super::{Interior, Kind, SoftModel, Spheres, explain, pixel_bytes, record_compose};
 use crate::gpu::Device;
 use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes};
@@ -220,7 +220,7 @@ impl ExpressEngine {
                 layer: (parts.solid > 0).then_some(&resources.layer),
                 max_color: cloud.max_color(&how),
             };
-            resources.soft_discs.render(&mut resources.bins, work, &job)?
+            resources.own.of::<SoftDiscs>(device)?.render(&mut resources.bins, work, &job)?
         };
         if outcome == Outcome::Done {
             resources.soft_counted = true;
@@ -262,8 +262,9 @@ impl Engine for ExpressEngine {
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        let Resources { soft_discs, soft_counted, .. } = &buffers.resources;
-        let fragments = (frame.fragments && *soft_counted).then(|| soft_discs.counts().to_vec());
+        let Resources { own, soft_counted, .. } = &buffers.resources;
+        let discs = own.there::<SoftDiscs>().filter(|_| frame.fragments && *soft_counted);
+        let fragments = discs.map(|discs| discs.counts().to_vec());
         Ok(Counts { fragments, ..Counts::default() })
     }
 }

@@ -7,13 +7,13 @@ mod engine;
 
 pub(crate) use engine::SortedEngine;
 
-use super::engine::Work;
-use super::{Error, Frame, Outcome, Target, tiled};
+use super::{Error, Frame, Target};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Recorder, Variant};
 use crate::passes::bin::{self, Binned, Bins, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose::{self, STOPS};
-use crate::scene::Discs;
+use crate::passes::raster::Raster;
+use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -35,42 +35,20 @@ pass! {
     }
 }
 
-/// Everything that stays the same while a window is rendered.
-#[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
-    /// The splats to sort and bin.
-    pub bin: bin::Job<'a>,
-    /// Shape and falloff.
-    pub discs: Discs,
-    /// Upper bound of the color components that are blended.
-    pub max_color: f32,
-}
-
-/// Sorts, bins and blends a window into the target.
-pub(crate) fn render(bins: &mut Bins, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
-    let (device, frame, target) = (work.device, work.frame, work.target);
-    tiled::blend(bins, work, (&job.bin, 0), "sorted/blend", |bins, work, binned| {
-        let mut recorder = work.timeline.recorder(device)?;
-        record_blend(bins, &mut recorder, frame, job, binned, target)?;
-        Ok(Some(recorder))
-    })
-}
-
-/// Records the blending of all tiles.
+/// Records the blending of all tiles of a window; `max_color` bounds the color components that are blended.
 fn record_blend<'a>(
     bins: &'a Bins,
     recorder: &mut Recorder<'a>,
     frame: &Frame,
-    job: &WindowJob<'a>,
+    (raster, falloff, max_color): (Raster<'a>, Falloff, f32),
     binned: Binned,
     target: &'a Target,
 ) -> Result<(), Error> {
-    let cloud = job.bin.raster.cloud;
-    let tiles = bins.record_tiles(recorder, cloud, binned)?.tiled;
+    let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
     let blend = Blend { tiles, image: target.image(), depths: target.depths() };
-    let (stop, max_color) = compose::stop(frame.stop, frame.color, job.max_color);
-    let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
-    let push = |walk| BlendPush { walk, max_opacity: cloud.max_opacity(), max_color };
+    let (stop, max_color) = compose::stop(frame.stop, frame.color, max_color);
+    let shape = compose::variant(binned.cut(), raster.footprint, falloff);
+    let push = |walk| BlendPush { walk, max_opacity: raster.cloud.max_opacity(), max_color };
     let variant = |run| blend_variant(shape.clone(), run, stop);
     Ok(binned.record_runs(recorder, &blend, binned.segments(), push, variant)?)
 }

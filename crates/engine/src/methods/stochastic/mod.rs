@@ -12,7 +12,7 @@ mod engine;
 pub mod hardware;
 mod tiles;
 
-pub(crate) use engine::{StochasticEngine, pass_groups};
+pub(crate) use engine::{StochasticEngine, pass_group};
 pub use tiles::{Accumulate, StochasticPush, Visibility};
 
 use super::engine::Work;
@@ -223,9 +223,8 @@ pub struct Sampler {
     attachments: hardware::Attachments,
 }
 
-impl Sampler {
-    /// No buffers yet.
-    pub fn new() -> Self {
+impl Default for Sampler {
+    fn default() -> Self {
         Self {
             keys: Kept::new("sample depths", Memory::Device),
             indices: Kept::new("sample splats", Memory::Device),
@@ -236,7 +235,9 @@ impl Sampler {
             attachments: hardware::Attachments::default(),
         }
     }
+}
 
+impl Sampler {
     /// Renders a window into the target, or keeps its sums.
     pub(crate) fn render(
         &mut self,
@@ -411,12 +412,6 @@ impl Sampler {
         let variant = resolve_variant(kind);
         recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?;
         Ok(())
-    }
-}
-
-impl Default for Sampler {
-    fn default() -> Self {
-        Self::new()
     }
 }
 
