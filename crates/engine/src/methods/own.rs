@@ -21,7 +21,7 @@ impl<T: Default + Any + Send + Sync> Made for T {
     }
 }
 
-/// Buffers by their type. Each are made for the first frame that asks for them.
+/// Buffers by their type, made for the first frame that asks for them.
 #[derive(Default)]
 pub(crate) struct Own(HashMap<TypeId, Box<dyn Any + Send + Sync>>);
 

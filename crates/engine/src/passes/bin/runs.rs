@@ -4,7 +4,7 @@ use super::{Binned, Lanes, TileWalk};
 use crate::choices::Choices;
 use crate::gpu::{Error, Pass, Recorder, Run, Variant};
 
-/// One of several runs that together process the splats of all tiles.
+/// A run of several that together process the splats of all tiles.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OneRun {
     /// `true` if it goes on from the result of others.

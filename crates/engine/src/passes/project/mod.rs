@@ -209,8 +209,8 @@ gpu_struct! {
     }
 }
 
-/// Points of one invocation of a pass that takes them straight to their pixels, at most 32. Those of doubtful pixel are done once more at the end: the more points, the
-/// fewer such ends.
+/// Points of one invocation of a pass that takes them straight to their pixels, at most 32. Those of doubtful pixel are
+/// done once more at the end: the more points, the fewer such ends.
 pub const POINTS_RUN: u64 = 16;
 
 /// Returns the dispatch of a pass over a chunk of so many points.

@@ -62,8 +62,8 @@ impl DeviceCloud {
         self.casting = Some(casting);
     }
 
-    /// Puts shares of light there that were stored with the points, in the order of their files. Points that were dealt,
-    /// or come some at a time, take none.
+    /// Puts shares of light there that were stored with the points, in the order of their files. Points that were
+    /// dealt, or come some at a time, take none.
     ///
     /// # Errors
     /// No memory for them.
