@@ -38,13 +38,7 @@ fn key_within(run: ListRun, front: f32, pixel: vec2<u32>) -> u32 {
     return NOTHING;
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.list_count) {
         return;
     }

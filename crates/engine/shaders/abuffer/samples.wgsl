@@ -12,13 +12,7 @@
 // Where a sample begins and ends.
 @group(0) @binding(21) var<storage, read_write> sample_depths: array<vec2<f32>>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.run_count) {
         return;
     }

@@ -39,13 +39,7 @@ fn depth_within(run: ListRun, item: u32, front: vec4<f32>, pixel: vec2<u32>) -> 
     return composed_depth(NOTHING);
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.list_count) {
         return;
     }

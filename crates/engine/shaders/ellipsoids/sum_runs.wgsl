@@ -9,13 +9,7 @@
 @group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
 @group(0) @binding(20) var<storage, read_write> sums: array<RunSums>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.run_count) {
         return;
     }

@@ -1,7 +1,7 @@
 // soft/samples: the samples of a deep EXR, of each run of a sorted list of events of concentric shells: the piece of
 // the ray that each event begins. What is not there has the opacity NO_SAMPLE. One invocation per run.
 // Reference: reference::soft.
-#import soft_push
+#push
 #import soft_terms
 #import run_of_list
 #import sample
@@ -17,13 +17,7 @@
 @group(0) @binding(22) var<storage, read_write> sample_depths: array<vec2<f32>>;
 @group(0) @binding(23) var<storage, read> records: array<vec4<u32>>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.run_count) {
         return;
     }

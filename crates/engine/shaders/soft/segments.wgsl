@@ -3,7 +3,7 @@
 // is integrated over every segment: beside its chord that is nothing, so no list of open spheres is needed, however
 // many there are. A dispatch looks at TAKEN events of each list from push.first on; later ones add to what those before
 // found.
-#import soft_push
+#push
 #import soft_terms
 #import segment
 #import run_of_list
@@ -57,12 +57,7 @@ fn sphere_at(event: u32, pixel: vec2<u32>, ray: vec4<f32>) -> vec4<f32> {
     return opened(id, pixel, ray).sphere;
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     let item = workgroup_index(workgroup, groups);
     let count = atomicLoad(&work.run_count);
     let present = item < count;

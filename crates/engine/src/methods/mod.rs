@@ -52,7 +52,7 @@ pub use parts::{DrawnPart, PartError, SamplePart, SampleSteps};
 pub use reach::{need_subgroups, without_subgroups};
 pub use renderer::{Rendered, Renderer};
 pub use sorted::Stop;
-pub use target::{Pixels, Target};
+pub use target::{Pixels, PixelsGroup, Target};
 
 pub use crate::passes::timeline::Timeline;
 
@@ -193,7 +193,7 @@ impl Buffers {
             filterer: image_space::Filterer::new(device)?,
             approximations: approximate::Approximations::default(),
             fadings: fading::Fadings::default(),
-            sampler: stochastic::Sampler::new(),
+            sampler: stochastic::Sampler::default(),
             peeler: peel::Peeler::new(device)?,
             layer_peeler: peel_layers::LayerPeeler::new(device)?,
             soft_discs: soft::express::SoftDiscs::default(),

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::Error;
 use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
+use crate::group;
 use crate::image::Image;
 use crate::passes::bands::{self, Window};
 
@@ -97,13 +98,14 @@ impl Target {
     }
 }
 
-/// The image to draw into; it has at least as many elements as the window has pixels.
-#[derive(Clone, Copy)]
-pub struct Pixels<'a> {
-    /// Premultiplied color; A = 1 where anything is, else all 0.
-    pub image: Slice<'a, [f32; 4]>,
-    /// Depths along the viewing axis, +inf where nothing is.
-    pub depths: Slice<'a, f32>,
+group! {
+    /// The image to draw into; it has at least as many elements as the window has pixels.
+    pub Pixels as PixelsGroup {
+        /// Premultiplied color; A = 1 where anything is, else all 0.
+        image: ReadWrite<[f32; 4]>,
+        /// Depths along the viewing axis, +inf where nothing is.
+        depths: ReadWrite<f32>,
+    }
 }
 
 impl<'a> Pixels<'a> {

@@ -9,59 +9,48 @@ pub(crate) use engine::ApproximateEngine;
 pub use tail::{GatherTail, TailPush, WeighTail};
 
 use self::tail::Tail;
-use super::abuffer::record_nothing;
 use super::engine::Work;
-use super::fading::{self, Stages};
-use super::{Error, Facts, Outcome, Target};
-use crate::choices::Choices;
+use super::fading::{self, OneRun, Stages, leaving, variants};
+use super::{Error, Facts, Outcome, PixelsGroup, Target};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
+use crate::gpu::{Device, Kept, Memory, Recorder, Variant};
 use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
-use crate::passes::compose::{self, Cut};
+use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::compose;
 use crate::passes::project::{DISCS, Footprint};
-use crate::scene::{Discs, Falloff, MAX_NODES, MomentCount};
-use crate::{gpu_struct, group, pass};
+use crate::scene::{Discs, MAX_NODES, MomentCount};
+use crate::{fields, gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of the stages; shaders/shared/tile_fold.wgsl explains the members.
+    /// Push constants of the stages.
     pub struct SumPush {
         walk: TileWalk,
     }
-}
 
-gpu_struct! {
     /// Push constants of `hybrid`: number of fragments that are composed exactly, and the least opacity of one.
     pub struct HybridPush {
         walk: TileWalk,
-        k: u32,
+        k: u32, // Fragments that are composed exactly, and the least opacity of one.
         core_alpha_min: f32,
     }
-}
 
-gpu_struct! {
     /// Push constants of a round of `hybrid` over oriented discs, which composes as many fragments as it has slots.
     pub struct RoundPush {
         walk: TileWalk,
-        core_alpha_min: f32,
+        core_alpha_min: f32, // The least opacity of a fragment that is composed exactly.
     }
-}
 
-gpu_struct! {
     /// Push constants of `mlab`; `unused` slots stay empty.
     pub struct LayerPush {
         walk: TileWalk,
-        unused: u32,
+        unused: u32, // Slots that stay empty: the first ones.
     }
 }
 
 group! {
     /// Bindings of all stages besides the tiles.
     pub Sums as SumsGroup {
-        /// Premultiplied color and A of the window's pixels.
-        image: ReadWrite<[f32; 4]>,
-        /// Depths of the window's pixels.
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
         /// State that a run leaves to the next.
         kept: ReadWrite<[f32; 4]>,
     }
@@ -71,46 +60,24 @@ pass! {
     /// Sums the splats of a tile with weights that fall with depth: one subgroup per block of a tile keeps the sums of
     /// its pixels in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the
     /// sums.
-    pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted",
     /// Averages the colors of the splats over each pixel, as `weighted/accumulate` goes through a tile.
-    pub Average(SumPush) = "average/accumulate" in "approximate/average" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Average(SumPush) = "average/accumulate" in "approximate/average",
     /// Blends the splats of each pixel in the order of the files, as `weighted/accumulate` goes through a tile.
-    pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted",
     /// Composes the first `k` fragments of each pixel front to back and sums the others, over flat discs.
     pub HybridFlat(HybridPush) = "hybrid/accumulate" in "approximate/hybrid" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
     }
-}
 
-pass! {
     /// Composes the first `k` fragments of each pixel front to back before a tail by moments, over flat discs.
     pub HybridFront(HybridPush) = "hybrid/accumulate" in "approximate/hybrid_front" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
     }
-}
 
-pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block
     /// of a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last
     /// round are summed.
@@ -120,9 +87,7 @@ pass! {
         lasts: ReadWrite<[u32; 2]>,
         slots: ReadWrite<[u32; 4]>,
     }
-}
 
-pass! {
     /// Keeps the nearest fragments of each pixel in slots by insertion, in the order of the files, and merges what
     /// falls out of them into one last layer: region by region, as `hybrid/accumulate` over oriented discs.
     pub Layers(LayerPush) = "mlab/accumulate" in "mlab/accumulate" {
@@ -252,22 +217,13 @@ pub(super) fn beside(error: Error, more: u64) -> Error {
     }
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Approximations {
-    state: Kept<[f32; 4]>,
-    lasts: Kept<[u32; 2]>,
-    slots: Kept<[u32; 4]>,
-    moments: Kept<[f32; 2]>,
-}
-
-impl Default for Approximations {
-    fn default() -> Self {
-        Self {
-            state: Kept::new("sums of pixels", Memory::Device),
-            lasts: Kept::new("last ranks of pixels", Memory::Device),
-            slots: Kept::new("nearest fragments of pixels, by slot", Memory::Device),
-            moments: Kept::new("moments of tails", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Approximations {
+        state: Kept<[f32; 4]> = Kept::new("sums of pixels", Memory::Device),
+        lasts: Kept<[u32; 2]> = Kept::new("last ranks of pixels", Memory::Device),
+        slots: Kept<[u32; 4]> = Kept::new("nearest fragments of pixels, by slot", Memory::Device),
+        moments: Kept<[f32; 2]> = Kept::new("moments of tails", Memory::Device),
     }
 }
 
@@ -290,7 +246,7 @@ impl Approximations {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
+                target.pixels().record_nothing(&mut recorder, window)?;
             }
             Bin::Done(binned) => {
                 work.note_binned(binned);
@@ -339,53 +295,41 @@ impl Approximations {
         target: &'a Target,
     ) -> Result<(), Error> {
         let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
-        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
+        let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
-        let stage = Stage { shape, binned, runs: runs_over(binned, rounds) };
+        let stages = Stages { shape, binned, runs: runs_over(binned, rounds) };
         let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
+        let sum = |number| SumPush { walk: binned.walk(number) };
         match job.kind {
-            Kind::Weighted => stage.record(recorder, &Weighted { tiles, sums }),
-            Kind::Average => stage.record(recorder, &Average { tiles, sums }),
-            Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
-            Kind::Hybrid { k, core_alpha_min, tail: None } if rounds.is_empty() => {
-                stage.record_hybrid(recorder, &HybridFlat { tiles, sums }, k, core_alpha_min)
-            }
-            Kind::Mlab(nodes) => stage.each_run(|run| {
+            Kind::Weighted => stages.record(recorder, &Weighted { tiles, sums }, sum, leaving_sums),
+            Kind::Average => stages.record(recorder, &Average { tiles, sums }, sum, leaving_sums),
+            Kind::Unsorted => stages.record(recorder, &Unsorted { tiles, sums }, sum, leaving_sums),
+            Kind::Mlab(nodes) => {
                 let count = layer_slots(nodes);
-                let push = LayerPush { walk: binned.walk(run.number), unused: count + 1 - nodes };
-                let over = Run::new(binned.over_blocks()).variant(layer_variant(stage.shape.clone(), run, count));
-                Ok(recorder.run(&Layers { tiles, sums, slots }, push, &over)?)
-            }),
-            Kind::Hybrid { core_alpha_min, tail: None, .. } => stage.record_rounds(
-                recorder,
-                &HybridOriented { tiles, sums, lasts, slots },
-                rounds,
-                (core_alpha_min, true),
-            ),
-            Kind::Hybrid { k, core_alpha_min, tail: Some(moments) } => {
-                if rounds.is_empty() {
-                    stage.record_hybrid(recorder, &HybridFront { tiles, sums, lasts }, k, core_alpha_min)?;
-                } else {
-                    let front = HybridOriented { tiles, sums, lasts, slots };
-                    stage.record_rounds(recorder, &front, rounds, (core_alpha_min, false))?;
+                let push = |number| LayerPush { walk: binned.walk(number), unused: count + 1 - nodes };
+                let variant = |shape, run| layer_variant(shape, run, count);
+                stages.record(recorder, &Layers { tiles, sums, slots }, push, variant)
+            }
+            Kind::Hybrid { k, core_alpha_min, tail } => {
+                let first = |number| HybridPush { walk: binned.walk(number), k, core_alpha_min };
+                let push = |number| RoundPush { walk: binned.walk(number), core_alpha_min };
+                match (rounds, tail) {
+                    ([], None) => stages.record(recorder, &HybridFlat { tiles, sums }, first, leaving_sums)?,
+                    ([], _) => stages.record(recorder, &HybridFront { tiles, sums, lasts }, first, leaving_sums)?,
+                    _ => rounds.iter().enumerate().try_for_each(|(i, slots_held)| {
+                        let last = i + 1 == rounds.len();
+                        let round = Round { slots: *slots_held, behind: i > 0, tail: tail.is_none() && last };
+                        let pass = HybridOriented { tiles, sums, lasts, slots };
+                        stages.record(recorder, &pass, push, |shape, run| round_variant(shape, run, round))
+                    })?,
                 }
+                let Some(moments) = tail else { return Ok(()) };
                 let (known, depth_range) = (self.moments.get().all(), job.depth_range);
                 let tail = Tail { tiles, sums, lasts, known, moments, core_alpha_min, depth_range };
-                tail.record(recorder, &Stages { shape: stage.shape, binned })
+                tail.record(recorder, &Stages { runs: binned.region_segments(), ..stages })
             }
         }
     }
-}
-
-/// A run of several that together process the tiles' splats.
-#[derive(Debug, Clone, Copy)]
-pub struct OneRun {
-    /// Number of the part; all but the first go on from the result of others.
-    pub number: u32,
-    /// Number of parts; with more than one, each leaves what it knows.
-    pub of: u32,
-    /// The invocations that go through the tiles.
-    pub lanes: Lanes,
 }
 
 /// A round of `hybrid` over oriented discs.
@@ -399,75 +343,19 @@ pub struct Round {
     pub tail: bool,
 }
 
-/// A stage over all tiles.
-struct Stage {
-    shape: Variant,
-    binned: Binned,
-    runs: u32,
-}
-
-impl Stage {
-    /// Runs until the longest list of a tile is done.
-    fn each_run(&self, run: impl FnMut(OneRun) -> Result<(), Error>) -> Result<(), Error> {
-        let (of, lanes) = (self.runs, self.binned.lanes());
-        (0..of).map(|number| OneRun { number, of, lanes }).try_for_each(run)
-    }
-
-    fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
-        self.each_run(|run| {
-            let push = SumPush { walk: self.binned.walk(run.number) };
-            let over = Run::new(self.binned.over_blocks());
-            Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
-        })
-    }
-
-    fn record_hybrid<'a, P: Pass<Push = HybridPush> + 'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        pass: &P,
-        k: u32,
-        core_alpha_min: f32,
-    ) -> Result<(), Error> {
-        self.each_run(|run| {
-            let push = HybridPush { walk: self.binned.walk(run.number), k, core_alpha_min };
-            let over = Run::new(self.binned.over_blocks());
-            Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
-        })
-    }
-
-    /// `averaged`: the last round has a tail.
-    fn record_rounds<'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        pass: &HybridOriented<'a>,
-        rounds: &[u32],
-        (core_alpha_min, averaged): (f32, bool),
-    ) -> Result<(), Error> {
-        rounds.iter().enumerate().try_for_each(|(i, slots)| {
-            let round = Round { slots: *slots, behind: i > 0, tail: averaged && i + 1 == rounds.len() };
-            self.each_run(|run| {
-                let push = RoundPush { walk: self.binned.walk(run.number), core_alpha_min };
-                let over = Run::new(self.binned.over_blocks());
-                Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
-            })
-        })
-    }
-}
-
 /// Runs over all tiles that it takes to get through the longest list.
 fn runs_over(binned: Binned, rounds: &[u32]) -> u32 {
     if rounds.is_empty() { binned.segments() } else { binned.region_segments() }
 }
 
-/// A variant of the stages, from that of shape and falloff.
-fn sum_variant(shape: Variant, run: OneRun) -> Variant {
-    bin::fold_blocks_variant(shape, run.number > 0, run.lanes).with("KEPT", u32::from(run.of > 1))
+/// A variant of the stages that go through a tile block by block, from that of shape and falloff.
+fn leaving_sums(shape: Variant, run: OneRun) -> Variant {
+    bin::fold_blocks_variant(shape, run.later, run.lanes).with("KEPT", u32::from(run.kept))
 }
 
 /// A variant of `hybrid` over oriented discs.
 fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
-    bin::region_variant(shape, run.number > 0, run.lanes)
-        .with("KEPT", u32::from(run.of > 1))
+    leaving(shape, run)
         .with("BEHIND", u32::from(round.behind))
         .with("TAIL", u32::from(round.tail))
         .constant("SLOTS", round.slots)
@@ -476,10 +364,7 @@ fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
 
 /// A variant of `mlab`.
 fn layer_variant(shape: Variant, run: OneRun, slots: u32) -> Variant {
-    bin::region_variant(shape, run.number > 0, run.lanes)
-        .with("KEPT", u32::from(run.of > 1))
-        .constant("SLOTS", slots)
-        .each("slot", slots)
+    leaving(shape, run).constant("SLOTS", slots).each("slot", slots)
 }
 
 /// Returns the number of bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of
@@ -504,28 +389,9 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
 }
 
-/// The variants of a pass: footprints and all falloffs with all of some ways, each with one run, and the first and
-/// second of two.
-fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun, &W) -> Variant) -> Vec<Variant> {
-    let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
-        .into_iter()
-        .flat_map(|(number, of)| Lanes::all().into_iter().map(move |lanes| OneRun { number, of, lanes }))
-        .collect();
-    let shapes =
-        footprints.iter().flat_map(|footprint| <(Cut, Falloff)>::all().into_iter().map(move |o| (*footprint, o)));
-    let mut all = Vec::new();
-    for (footprint, (cut, falloff)) in shapes {
-        let shape = compose::variant(cut, footprint, falloff);
-        for way in ways {
-            all.extend(runs.iter().map(|run| of(shape.clone(), *run, way)));
-        }
-    }
-    all
-}
-
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let sums = |footprints: &[Footprint]| variants(footprints, &[()], |shape, run, ()| sum_variant(shape, run));
+    let sums = |footprints: &[Footprint]| variants(footprints, &[()], |shape, run, ()| leaving_sums(shape, run));
     // The last round, which is the first one or not, has the slots that are left, and a tail or not.
     let flags = [false, true].into_iter().flat_map(|behind| [false, true].map(|tail| (behind, tail)));
     let round = |slots| flags.clone().map(move |(behind, tail)| Round { slots, behind, tail });

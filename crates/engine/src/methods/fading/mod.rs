@@ -9,11 +9,11 @@ pub(crate) use engine::FadingEngine;
 pub use passes::*;
 
 use self::passes::with_cells;
-pub(super) use self::passes::{OneRun, by_moments, learning, leaving, with_moments};
-use super::abuffer::record_nothing;
+pub(super) use self::passes::{OneRun, by_moments, learning, leaving, variants, with_moments};
 use super::approximate::{STATE_BYTES, Sums, beside};
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Target};
+use crate::fields;
 use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
 use crate::passes::bands::{self, Budget};
 use crate::passes::bin::{self, Bin, Binned, Bins};
@@ -81,20 +81,12 @@ pub struct WindowJob<'a> {
     pub depth_range: [f32; 2],
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Fadings {
-    known: Kept<[f32; 2]>,
-    ranges: Kept<[f32; 2]>,
-    state: Kept<[f32; 4]>,
-}
-
-impl Default for Fadings {
-    fn default() -> Self {
-        Self {
-            known: Kept::new("fading of pixels", Memory::Device),
-            ranges: Kept::new("ranges of depths of pixels", Memory::Device),
-            state: Kept::new("weighted sums of pixels", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Fadings {
+        known: Kept<[f32; 2]> = Kept::new("fading of pixels", Memory::Device),
+        ranges: Kept<[f32; 2]> = Kept::new("ranges of depths of pixels", Memory::Device),
+        state: Kept<[f32; 4]> = Kept::new("weighted sums of pixels", Memory::Device),
     }
 }
 
@@ -116,7 +108,7 @@ impl Fadings {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
+                target.pixels().record_nothing(&mut recorder, window)?;
             }
             Bin::Done(binned) => {
                 work.note_binned(binned);
@@ -149,10 +141,10 @@ impl Fadings {
         target: &'a Target,
     ) -> Result<(), Error> {
         let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
-        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
+        let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
         let (known, ranges) = (self.known.get().all(), self.ranges.get().all());
-        let stages = Stages { shape, binned };
+        let stages = Stages { shape, binned, runs: binned.region_segments() };
         match job.fading {
             Fading::Moments(moments) => {
                 let estimate = Estimate::new(&moments, job.depth_range);
@@ -181,6 +173,8 @@ pub(super) struct Stages {
     pub shape: Variant,
     /// The tiles.
     pub binned: Binned,
+    /// Runs that it takes to get through the longest list of a tile.
+    pub runs: u32,
 }
 
 impl Stages {
@@ -192,9 +186,8 @@ impl Stages {
         push: impl Fn(u32) -> P::Push,
         variant: impl Fn(Variant, OneRun) -> Variant,
     ) -> Result<(), Error> {
-        let of = self.binned.region_segments();
-        (0..of).try_for_each(|number| {
-            let run = OneRun { later: number > 0, kept: of > 1, lanes: self.binned.lanes() };
+        (0..self.runs).try_for_each(|number| {
+            let run = OneRun { later: number > 0, kept: self.runs > 1, lanes: self.binned.lanes() };
             let over = Run::new(self.binned.over_blocks());
             Ok(recorder.run(pass, push(number), &over.variant(variant(self.shape.clone(), run)))?)
         })

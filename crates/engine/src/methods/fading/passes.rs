@@ -6,16 +6,27 @@ use crate::gpu::shader::Shader;
 use crate::methods::approximate::SumsGroup;
 use crate::passes::bin::{self, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
-use crate::passes::project::DISCS;
+use crate::passes::project::{DISCS, Footprint};
 use crate::scene::{Falloff, MAX_RANK, MomentCount, Moments};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Estimate of light from moments; shaders/shared/moment.wgsl explains the members.
+    /// Estimate of light from moments.
     pub struct Estimate {
         scale: f32,
         overestimation: f32,
         bias: f32,
+    }
+
+    /// Push constants of `moments`.
+    pub struct MomentPush {
+        walk: TileWalk,
+        estimate: Estimate,
+    }
+
+    /// Push constants of `wavelet`.
+    pub struct WaveletPush {
+        walk: TileWalk,
     }
 }
 
@@ -28,21 +39,6 @@ impl Estimate {
     }
 }
 
-gpu_struct! {
-    /// Push constants of `moments`.
-    pub struct MomentPush {
-        walk: TileWalk,
-        estimate: Estimate,
-    }
-}
-
-gpu_struct! {
-    /// Push constants of `wavelet`.
-    pub struct WaveletPush {
-        walk: TileWalk,
-    }
-}
-
 pass! {
     /// Sums powers of the depths of each pixel's fragments, weighted by their optical depths: one subgroup per block of
     /// a tile goes through it region by region.
@@ -50,35 +46,27 @@ pass! {
         tiles: Shared<TiledGroup>,
         known: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums colors weighted by the light before them, which the moments bound, as `moments/gather` goes through a tile.
     pub WeighByMoments(MomentPush) = "moments/accumulate" in "moments/accumulate" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         known: Read<[f32; 2]>,
     }
-}
 
-pass! {
     /// Finds the nearest and the farthest fragment of each pixel, as `moments/gather` goes through a tile.
     pub FindRange(WaveletPush) = "wavelet/range" in "wavelet/range" {
         tiles: Shared<TiledGroup>,
         ranges: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums optical depths by cells between those two, as `moments/gather` goes through a tile.
     pub GatherCells(WaveletPush) = "wavelet/gather" in "wavelet/gather" {
         tiles: Shared<TiledGroup>,
         ranges: Read<[f32; 2]>,
         cells: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums colors weighted by the light before them, which follows from the cells, as `moments/gather` goes through a
     /// tile.
     pub WeighByCells(WaveletPush) = "wavelet/accumulate" in "wavelet/accumulate" {
@@ -120,19 +108,23 @@ pub(super) fn with_cells(variant: Variant, cells: u32) -> Variant {
     variant.constant("CELLS", cells)
 }
 
-/// The variants of a stage: all discs with all of some numbers, each with the first of one run, and the first and the
-/// second of two.
-fn variants<N: Copy>(numbers: &[N], of: impl Fn(Variant, OneRun, N) -> Variant) -> Vec<Variant> {
+/// Returns the variants of a stage: footprints with all cuts, falloffs and some ways, each with the first of one run, and
+/// the first and the second of two.
+pub(in crate::methods) fn variants<W>(
+    footprints: &[Footprint],
+    ways: &[W],
+    of: impl Fn(Variant, OneRun, &W) -> Variant,
+) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(false, false), (false, true), (true, true)]
         .into_iter()
         .flat_map(|(later, kept)| Lanes::all().into_iter().map(move |lanes| OneRun { later, kept, lanes }))
         .collect();
-    let discs = DISCS.into_iter().flat_map(|disc| <(Cut, Falloff)>::all().into_iter().map(move |o| (disc, o)));
+    let choices = || <(Cut, Falloff)>::all().into_iter();
     let mut all = Vec::new();
-    for (footprint, (cut, falloff)) in discs {
+    for (footprint, (cut, falloff)) in footprints.iter().flat_map(|footprint| choices().map(move |o| (*footprint, o))) {
         let shape = compose::variant(cut, footprint, falloff);
-        for number in numbers {
-            all.extend(runs.iter().map(|run| of(shape.clone(), *run, *number)));
+        for way in ways {
+            all.extend(runs.iter().map(|run| of(shape.clone(), *run, way)));
         }
     }
     all
@@ -140,13 +132,13 @@ fn variants<N: Copy>(numbers: &[N], of: impl Fn(Variant, OneRun, N) -> Variant) 
 
 /// Returns those of a stage with moments.
 pub(in crate::methods) fn by_moments(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
-    variants(&MomentCount::ALL, |shape, run, count| with_moments(of(shape, run), count.get()))
+    variants(&DISCS, &MomentCount::ALL, |shape, run, count| with_moments(of(shape, run), count.get()))
 }
 
 /// Returns the variants of a stage with cells.
 fn by_cells(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
     let ranks: Vec<u32> = (1..=MAX_RANK).collect();
-    variants(&ranks, |shape, run, rank| with_cells(of(shape, run), 2 << rank))
+    variants(&DISCS, &ranks, |shape, run, rank| with_cells(of(shape, run), 2 << rank))
 }
 
 /// Returns the passes with their variants.
@@ -154,7 +146,7 @@ pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<GatherMoments>(by_moments(learning)),
         Shader::new::<WeighByMoments>(by_moments(leaving)),
-        Shader::new::<FindRange>(variants(&[()], |shape, run, ()| learning(shape, run))),
+        Shader::new::<FindRange>(variants(&DISCS, &[()], |shape, run, ()| learning(shape, run))),
         Shader::new::<GatherCells>(by_cells(learning)),
         Shader::new::<WeighByCells>(by_cells(leaving)),
     ]

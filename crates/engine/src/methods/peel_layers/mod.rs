@@ -15,11 +15,11 @@ use super::peel::{Next, PeelWork};
 use super::told::Told;
 use super::{Error, Target};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 /// Layers of a submission: what is recorded beyond the last layer costs something, too.
 const BATCH: u32 = 8;
@@ -29,15 +29,15 @@ const WORDS: u64 = 4;
 gpu_struct! {
     /// Push constants of `peel-layers/blend`.
     pub struct BlendPush {
-        columns: u32,
+        columns: u32, // Columns of tiles, and all tiles.
         tiles: u32,
-        left: u32,
+        left: u32, // The window's corner in the rectangle in work, and its size.
         top: u32,
         width: u32,
         height: u32,
-        outer_width: u32,
+        outer_width: u32, // Size of the rectangle in work.
         outer_height: u32,
-        distance: f32,
+        distance: f32, // d~ in world units.
     }
 }
 
@@ -74,15 +74,17 @@ pub struct LayersJob<'a> {
     pub read_back: bool,
 }
 
-/// Buffers of layers, kept from frame to frame, beside those of their images.
-pub struct LayerPeeler {
-    limits: Kept<u32>,
-    layers: Kept<u32>,
-    work_host: Buffer<PeelWork>,
-    told: Told<u32>,
-    dispatches: Kept<u32>,
-    /// Layers of the last window.
-    last_layers: u32,
+fields! {
+    /// Buffers of layers, kept from frame to frame, beside those of their images.
+    pub struct LayerPeeler by device {
+        limits: Kept<u32> = Kept::new("layer limits", Memory::Device),
+        layers: Kept<u32> = Kept::new("layer counts", Memory::Device),
+        work_host: Buffer<PeelWork> = device.buffer("layer work, host", 1, Memory::Readback)?,
+        told: Told<u32> = Told::new("layer counts, host"),
+        dispatches: Kept<u32> = Kept::new("layer dispatches", Memory::Device),
+        /// Layers of the last window.
+        last_layers: u32 = 0,
+    }
 }
 
 /// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none
@@ -104,18 +106,6 @@ impl<'a> Dispatches<'a> {
 }
 
 impl LayerPeeler {
-    /// No buffers but a small one yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            limits: Kept::new("layer limits", Memory::Device),
-            layers: Kept::new("layer counts", Memory::Device),
-            work_host: device.buffer("layer work, host", 1, Memory::Readback)?,
-            told: Told::new("layer counts, host"),
-            dispatches: Kept::new("layer dispatches", Memory::Device),
-            last_layers: 0,
-        })
-    }
-
     /// Returns layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_layers(&self, window: Window) -> Result<Vec<u32>, Error> {
         self.told.read(self.layers.get(), bands::pixels(window))
@@ -141,8 +131,7 @@ impl LayerPeeler {
         recorder.update(self.dispatches.get().all(), words.as_flattened());
         images.record_clear(&mut recorder, image)?;
         recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
-        recorder.fill("image/clear", target.image().first(pixels), 0)?;
-        recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+        target.pixels().record_nothing(&mut recorder, image.window)?;
         work.timeline.go_on(recorder, "peel-layers/clear")?;
 
         let dispatches = self.dispatches.get().all();
@@ -231,8 +220,7 @@ impl LayerPeeler {
         let distance = image.distance;
         let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance };
         let run = Run::new(images.deliver_dispatch(image)).variant(blend_variant(job.counted));
-        recorder.run(&blend, push, &run)?;
-        Ok(())
+        Ok(recorder.run(&blend, push, &run)?)
     }
 }
 

@@ -9,7 +9,7 @@ pub(crate) use engine::{PointsEngine, pass_group};
 
 use super::engine::Work;
 use super::opaque::{NearestSplat, Opaque};
-use super::{Error, abuffer};
+use super::{Error, PixelsGroup, abuffer};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
@@ -20,7 +20,7 @@ use crate::{gpu_struct, pass};
 gpu_struct! {
     /// Push constants: points of the chunk, its number, and the index of its first point among all.
     pub struct PointsPush {
-        count: u32,
+        count: u32, // Points of the chunk, its number, and the index of its first point among all.
         chunk: u32,
         first: u32,
     }
@@ -37,19 +37,9 @@ pass! {
         limits: Read<u32>,
         nearest: ReadWrite<u64>,
     }
-}
 
-pass! {
     /// Finds the depth of `points/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth" {
-        places: Shared<PlacesGroup>,
-        normals: Read<[f32; 4]>,
-        limits: Read<u32>,
-        nearest: ReadWrite<NearestSplat>,
-    }
-}
-
-pass! {
+    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth",
     /// Finds the smallest index at the depth of `points/nearest-depth`.
     pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest" with "nearest_id" {
         places: Shared<PlacesGroup>,
@@ -57,9 +47,7 @@ pass! {
         limits: Read<u32>,
         nearest: ReadWrite<NearestSplat>,
     }
-}
 
-pass! {
     /// Turns the index of the nearest point of each pixel into color, shaded only here, and depth.
     pub Resolve(abuffer::CountPush) = "points/resolve" {
         camera: Uniform<View>,
@@ -68,8 +56,7 @@ pass! {
         point_colors: Parts<[f32; 4]>,
         normals: Parts<[f32; 4]>,
         nearest: Read<[u32; 2]>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }
 
@@ -127,8 +114,7 @@ impl Opaque {
             point_colors: cut.slices(&cloud.point_colors),
             normals: cut.slices(&cloud.normals),
             nearest: nearest.cast(),
-            image: target.image(),
-            depths: target.depths(),
+            into: target.pixels(),
         };
         let push = abuffer::CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));

@@ -5,7 +5,7 @@
 use super::express::{self, COUNT_BYTES};
 use super::{Interior, Kind, Layer, SoftModel, Spheres, explain, pixel_bytes, record_compose};
 use crate::gpu::Device;
-use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes, record_nothing};
+use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Explain, Plan};
@@ -328,7 +328,7 @@ fn draw_solids(
 fn only_solids(cloud: &DeviceCloud, layer: &Layer, work: &mut Work<'_>) -> Result<Outcome, Error> {
     if !work.survey {
         let mut recorder = work.timeline.recorder(work.device)?;
-        record_nothing(&mut recorder, work.target, work.window)?;
+        work.target.pixels().record_nothing(&mut recorder, work.window)?;
         record_compose(&mut recorder, layer, work.target, work.pixels(), cloud.depth_origin())?;
         work.timeline.go_on(recorder, "solid points alone")?;
     }

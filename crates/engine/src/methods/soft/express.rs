@@ -7,22 +7,21 @@ use super::{Layer, SoftModel, record_compose};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Kept, Memory, Recorder, Run, Variant};
-use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;
 use crate::methods::sorted::{self, STOP_NEVER, STOPS};
 use crate::methods::told::Told;
-use crate::methods::{Error, Frame, Outcome, Target};
+use crate::methods::{Error, Frame, Outcome, PixelsGroup, Target};
 use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `soft/express`; the shader explains the members.
+    /// Push constants of `soft/express`.
     pub struct ExpressPush {
         walk: TileWalk,
-        peak: f32,
-        max_color: f32,
+        peak: f32, // Opacity in the middle of a disc, Seemann's lambda.
+        max_color: f32, // Largest color component, background included: a bound of the splats behind.
     }
 }
 
@@ -33,8 +32,7 @@ pass! {
     pub Express(ExpressPush) = "soft/express" {
         tiles: Shared<TiledGroup>,
         solid: Read<f32>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
         counts: ReadWrite<u32>,
     }
 }
@@ -57,20 +55,12 @@ pub struct WindowJob<'a> {
     pub max_color: f32,
 }
 
-/// Buffers, kept from frame to frame.
-pub struct SoftDiscs {
-    counts: Kept<u32>,
-    told: Told<u32>,
-    counted: Vec<u32>,
-}
-
-impl Default for SoftDiscs {
-    fn default() -> Self {
-        Self {
-            counts: Kept::new("soft discs of pixels", Memory::Device),
-            told: Told::new("soft discs of pixels, host"),
-            counted: Vec::new(),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct SoftDiscs {
+        counts: Kept<u32> = Kept::new("soft discs of pixels", Memory::Device),
+        told: Told<u32> = Told::new("soft discs of pixels, host"),
+        counted: Vec<u32> = Vec::new(),
     }
 }
 
@@ -95,7 +85,7 @@ impl SoftDiscs {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
+                target.pixels().record_nothing(&mut recorder, window)?;
                 None
             }
             Bin::Done(binned) => {
@@ -145,7 +135,7 @@ impl SoftDiscs {
         let solid = job.layer.map_or(cloud.fields.all(), Layer::depths);
         let tiles = bins.record_tiles(recorder, cloud, binned)?.tiled;
         let counts = self.counts.get().all();
-        let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
+        let express = Express { tiles, solid, into: target.pixels(), counts };
         let (stop, max_color) = sorted::stop(frame.stop, frame.color, job.max_color);
         for segment in 0..binned.segments() {
             let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, max_color };

@@ -7,22 +7,20 @@ mod spheres;
 
 pub(crate) use engine::{ExpressEngine, Solids, SpheresEngine};
 pub(crate) use explain::{disc_group, sphere_group};
+pub(super) use spheres::record_carry;
 pub use spheres::*;
 
 use super::{Error, Pixels};
+use crate::fields;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
 
-/// Pixels of a window's solid points, which soft ones are drawn before.
-pub struct Layer {
-    image: Kept<[f32; 4]>,
-    depths: Kept<f32>,
-}
-
-impl Default for Layer {
-    fn default() -> Self {
-        Self { image: Kept::new("solid image", Memory::Device), depths: Kept::new("solid depths", Memory::Device) }
+fields! {
+    /// Pixels of a window's solid points, which soft ones are drawn before.
+    pub struct Layer {
+        image: Kept<[f32; 4]> = Kept::new("solid image", Memory::Device),
+        depths: Kept<f32> = Kept::new("solid depths", Memory::Device),
     }
 }
 

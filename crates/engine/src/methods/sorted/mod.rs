@@ -7,9 +7,8 @@ mod engine;
 
 pub(crate) use engine::SortedEngine;
 
-use super::abuffer::record_nothing;
 use super::engine::Work;
-use super::{Error, Frame, Outcome, Target};
+use super::{Error, Frame, Outcome, PixelsGroup, Target};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Recorder, Run, Variant};
@@ -20,9 +19,10 @@ use crate::scene::{ColorSpace, Discs};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `sorted/blend`; the shader explains the members.
+    /// Push constants of `sorted/blend`.
     pub struct BlendPush {
         walk: TileWalk,
+        // Largest opacity, and largest color component, background included: bounds of the splats behind.
         max_opacity: f32,
         max_color: f32,
     }
@@ -33,8 +33,7 @@ pass! {
     /// keeps pixels in registers. A run takes 2048 splats; runs are joined.
     pub Blend(BlendPush) = "sorted/blend" {
         tiles: Shared<TiledGroup>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }
 
@@ -71,7 +70,7 @@ pub(crate) fn render(bins: &mut Bins, work: &mut Work<'_>, job: &WindowJob<'_>) 
         Bin::TooLarge => return Ok(Outcome::Overflow),
         Bin::Nothing => {
             recorder = work.timeline.recorder(device)?;
-            record_nothing(&mut recorder, target, window)?;
+            target.pixels().record_nothing(&mut recorder, window)?;
         }
         Bin::Done(binned) => {
             work.note_binned(binned);
@@ -96,7 +95,7 @@ fn record_blend<'a>(
 ) -> Result<(), Error> {
     let cloud = job.bin.raster.cloud;
     let tiles = bins.record_tiles(recorder, cloud, binned)?.tiled;
-    let blend = Blend { tiles, image: target.image(), depths: target.depths() };
+    let blend = Blend { tiles, into: target.pixels() };
     let (stop, max_color) = stop(frame.stop, frame.color, job.max_color);
     let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {

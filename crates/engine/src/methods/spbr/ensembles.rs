@@ -11,6 +11,7 @@ use super::rounds::Piece;
 use super::stream::Stream;
 use super::tasks::{Task, Tasks};
 use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
+use crate::fields;
 use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::abuffer::CountPush;
 use crate::methods::engine::Work;
@@ -37,32 +38,18 @@ pub struct Drawn {
     pub uploaded: u64,
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Ensembles {
-    stream: Stream,
-    nearest: Kept<u64>,
-    pixels: Kept<[u32; 4]>,
-    squares: Kept<[u32; 4]>,
-    spread: Kept<[f32; 4]>,
-    large: Kept<[u32; 4]>,
-    arguments: Kept<u32>,
-    counters: Kept<Counters>,
-    counters_host: Kept<Counters>,
-}
-
-impl Default for Ensembles {
-    fn default() -> Self {
-        Self {
-            stream: Stream::default(),
-            nearest: Kept::new("nearest of ensembles", Memory::Device),
-            pixels: Kept::new("sums of ensembles", Memory::Device),
-            squares: Kept::new("squares of ensembles", Memory::Device),
-            spread: Kept::new("spread of ensembles", Memory::Device),
-            large: Kept::new("large points", Memory::Device),
-            arguments: Kept::new("large points, groups", Memory::Device),
-            counters: Kept::new("counters of ensembles", Memory::Device),
-            counters_host: Kept::new("counters of ensembles, host", Memory::Readback),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Ensembles {
+        stream: Stream = Stream::default(),
+        nearest: Kept<u64> = Kept::new("nearest of ensembles", Memory::Device),
+        pixels: Kept<[u32; 4]> = Kept::new("sums of ensembles", Memory::Device),
+        squares: Kept<[u32; 4]> = Kept::new("squares of ensembles", Memory::Device),
+        spread: Kept<[f32; 4]> = Kept::new("spread of ensembles", Memory::Device),
+        large: Kept<[u32; 4]> = Kept::new("large points", Memory::Device),
+        arguments: Kept<u32> = Kept::new("large points, groups", Memory::Device),
+        counters: Kept<Counters> = Kept::new("counters of ensembles", Memory::Device),
+        counters_host: Kept<Counters> = Kept::new("counters of ensembles, host", Memory::Readback),
     }
 }
 
@@ -222,8 +209,7 @@ impl Ensembles {
         }
         let pass = Renew { pixels: self.pixels.get().all().cast() };
         let push = CountPush { count: job.pixels() as u32 };
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())))?;
-        Ok(())
+        Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())))?)
     }
 
     /// Records a dispatch, and that of its large squares.
@@ -338,13 +324,11 @@ impl Ensembles {
         let pass = Resolve {
             pixels: self.pixels.get().all(),
             squares: self.squares.get().all(),
-            image: target.image(),
-            depths: target.depths(),
+            into: target.pixels(),
             spread: self.spread.get().all(),
         };
         let run = Run::new(Dispatch::Invocations(u64::from(push.pixels)));
-        recorder.run(&pass, push, &run.variant(resolve_variant(spread)))?;
-        Ok(())
+        Ok(recorder.run(&pass, push, &run.variant(resolve_variant(spread)))?)
     }
 }
 

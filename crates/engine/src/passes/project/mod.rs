@@ -78,7 +78,7 @@ impl Stats {
 gpu_struct! {
     /// Push constants: points of the chunk, and its number.
     pub struct ProjectPush {
-        count: u32,
+        count: u32, // Points of the chunk, and its number.
         chunk: u32,
     }
 }
