@@ -4,31 +4,21 @@ use include_dir::include_dir;
 
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
-use crate::methods::encode;
-use crate::methods::{
-    abuffer, approximate, edl, ellipsoids, fading, image_space, linked_list, one_layer, opaque, peel, peel_layers,
-    points, shadows, soft, sorted, spbr, splats, stochastic,
-};
-use crate::passes::{bin, compose, project, radix, scan, tiles};
+use crate::{methods, passes};
+
+/// Something that each of these modules has by the same name.
+macro_rules! each {
+    (&$what:ident of $($room:ident::{$($stage:ident),* $(,)?}),*) => { [$($(&$room::$stage::$what),*),*] };
+    ($what:ident of $($room:ident::{$($stage:ident),* $(,)?}),*) => { [$($($room::$stage::$what),*),*] };
+}
 
 /// The WGSL files under shaders/, and the constants that stand in Rust alone.
 pub static SHADERS: Sources = Sources {
     files: include_dir!("$CARGO_MANIFEST_DIR/shaders"),
-    constants: &[
-        &abuffer::CONSTANTS,
-        &bin::CONSTANTS,
-        &compose::CONSTANTS,
-        &image_space::CONSTANTS,
-        &opaque::CONSTANTS,
-        &radix::CONSTANTS,
-        &scan::CONSTANTS,
-        &project::CONSTANTS,
-        &soft::CONSTANTS,
-        &sorted::CONSTANTS,
-        &spbr::CONSTANTS,
-        &tiles::CONSTANTS,
-    ],
-    floats: &[&image_space::FLOATS],
+    constants: &each!(&CONSTANTS of passes::{bin, compose, project, radix, scan, tiles}, methods::{
+        abuffer, image_space, opaque, soft, sorted, spbr,
+    }),
+    floats: &[&methods::image_space::FLOATS],
 };
 
 /// Overrides whose values a frame or a device decides, be they whatever they may: a list of variants has some of them.
@@ -43,31 +33,9 @@ pub fn key_without_numbers(variant: &Variant) -> String {
 
 /// Returns every pass with all its variants, as each stage lists them.
 pub fn shaders() -> Vec<Shader> {
-    let stages = [
-        bin::shaders,
-        project::shaders,
-        radix::shaders,
-        scan::shaders,
-        tiles::shaders,
-        abuffer::shaders,
-        approximate::shaders,
-        edl::shaders,
-        ellipsoids::shaders,
-        encode::shaders,
-        fading::shaders,
-        image_space::shaders,
-        linked_list::shaders,
-        one_layer::shaders,
-        opaque::shaders,
-        peel::shaders,
-        peel_layers::shaders,
-        points::shaders,
-        shadows::shaders,
-        soft::shaders,
-        sorted::shaders,
-        spbr::shaders,
-        splats::shaders,
-        stochastic::shaders,
-    ];
+    let stages = each!(shaders of passes::{bin, project, radix, scan, tiles}, methods::{
+        abuffer, approximate, edl, ellipsoids, encode, fading, image_space, linked_list, one_layer, opaque, peel,
+        peel_layers, points, shadows, soft, sorted, spbr, splats, stochastic,
+    });
     stages.iter().flat_map(|stage| stage()).collect()
 }

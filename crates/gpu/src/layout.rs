@@ -116,7 +116,7 @@ macro_rules! gpu_struct {
         $(#[$doc])*
         #[repr(C)]
         #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
-        #[allow(missing_docs, reason = "the shader explains the members")]
+        #[allow(missing_docs, reason = "comments beside them, or the shader, explain the members")]
         $vis struct $name {
             $($(#[$member_doc])* pub $member: $type),*
         }

@@ -95,10 +95,11 @@ pub trait Group {
 pub const PARTS: usize = 4;
 
 /// Declares passes: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; then for
-/// each pass the name of the timing label, the shader file if it is called otherwise, the shared piece that it takes, push
-/// constants, bindings. Passes with the same bindings stand before them one after another, with commas between. A field is
-/// `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …, `Texture<T>`: an
-/// attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings of a [`Group`].
+/// each pass the name of the timing label, the shader file if it is called otherwise, the shared piece that it takes,
+/// push constants, bindings. Passes with the same bindings stand before them one after another, with commas between. A
+/// field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …,
+/// `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings of a
+/// [`Group`].
 ///
 /// ```text
 /// pass! {
@@ -112,7 +113,10 @@ pub const PARTS: usize = 4;
 #[macro_export]
 macro_rules! pass {
     (@from $sources:path; $(
-        $($(#[$doc:meta])* $vis:vis $name:ident $(($push:ty))? = $label:literal $(in $shader:literal)? $(with $piece:literal)?),+
+        $(
+            $(#[$doc:meta])* $vis:vis $name:ident $(($push:ty))? =
+                $label:literal $(in $shader:literal)? $(with $piece:literal)?
+        ),+
         { $($fields:tt)* }
     )*) => {
         $($crate::pass! {
@@ -121,11 +125,13 @@ macro_rules! pass {
         })*
     };
     (@each $sources:path; $fields:tt $([$($head:tt)*])+) => { $($crate::pass! { @one $sources; $($head)* $fields })+ };
-    (@one $sources:path; $(#[$doc:meta])* $vis:vis $name:ident [$push:ty] [$label:literal] [$($shader:literal),+] [$($piece:literal)?] {
+    (@one $sources:path; $(#[$doc:meta])* $vis:vis $name:ident
+        [$push:ty] [$label:literal] [$($shader:literal),+] [$($piece:literal)?]
+    {
         $($(#[$field_doc:meta])* $field:ident : $access:ident<$type:ty>),* $(,)?
     }) => {
         $(#[$doc])*
-        #[allow(missing_docs, reason = "the shader explains the members")]
+        #[allow(missing_docs, reason = "comments beside them, or the shader, explain the members")]
         $vis struct $name<'a> {
             $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }
@@ -197,7 +203,7 @@ macro_rules! group {
     })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        #[allow(missing_docs, reason = "the shader explains the members")]
+        #[allow(missing_docs, reason = "comments beside them, or the shader, explain the members")]
         $vis struct $name<'a> {
             $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }

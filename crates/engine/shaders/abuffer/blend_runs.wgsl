@@ -1,11 +1,6 @@
 // abuffer/blend-runs: composes each run of a sorted long list by itself. One invocation per run.
 #import compose
-#import run_of_list
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read_write> partials: array<Partial>;
 
 #main item {

@@ -1,13 +1,8 @@
 // abuffer/samples: the samples of a deep EXR, of each run of a sorted list: color times opacity, and depth. One
 // invocation per run.
 #import compose
-#import run_of_list
 #import sample
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read_write> sample_colors: array<vec4<f32>>;
 // Where a sample begins and ends.
 @group(0) @binding(21) var<storage, read_write> sample_depths: array<vec2<f32>>;

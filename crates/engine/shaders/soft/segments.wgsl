@@ -6,12 +6,7 @@
 #push
 #import soft_terms
 #import segment
-#import run_of_list
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read_write> segments: array<f32>;
 @group(0) @binding(21) var<storage, read> records: array<vec4<u32>>;
 override TAKEN: u32 = 1u;

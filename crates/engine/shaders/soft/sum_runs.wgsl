@@ -2,13 +2,8 @@
 // run.
 #push
 #import soft_terms
-#import run_of_list
 #import run_sums
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read_write> sums: array<RunSums>;
 @group(0) @binding(21) var<storage, read> records: array<vec4<u32>>;
 

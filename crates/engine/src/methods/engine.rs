@@ -113,7 +113,9 @@ pub(crate) trait Engine: Explain {
     }
 
     /// The values that the engine can count for each pixel.
-    fn channels(&self) -> Channels;
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
 
     /// Renders a window into the target and copies it to the host, or only counts it ([`Work::survey`]).
     ///
@@ -125,7 +127,9 @@ pub(crate) trait Engine: Explain {
     ///
     /// # Errors
     /// The device failed.
-    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error>;
+    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
+        Ok(Counts::default())
+    }
 }
 
 /// Sums that the random samples of a pixel leave before they are resolved.

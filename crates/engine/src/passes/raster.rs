@@ -156,9 +156,9 @@ impl<'a> Raster<'a> {
         Ok(())
     }
 
-    /// Records a stage as [`Self::record`] does, in a variant that `with` adds overrides to. A workgroup walks `segment`
-    /// large splats of a tile, at most [`SEGMENT`]. With `arguments` the sizes of dispatches or draws are there: as many
-    /// records of four words as [`Self::arguments`] has.
+    /// Records a stage as [`Self::record`] does, in a variant that `with` adds overrides to. A workgroup walks
+    /// `segment` large splats of a tile, at most [`SEGMENT`]. With `arguments` the sizes of dispatches or draws are
+    /// there: as many records of four words as [`Self::arguments`] has.
     pub fn record_with<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,

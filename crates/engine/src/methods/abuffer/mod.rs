@@ -79,8 +79,8 @@ fields! {
         scan: Option<Scan> = None,
         overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
         lengths: Buffer<Lengths> = device.buffer("list lengths", 1, Memory::Device)?,
-        /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and their
-        /// lengths.
+        /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and
+        /// their lengths.
         bodies: Kept<u32> = Kept::new("sphere counts", Memory::Device),
         /// `true` if bodies of the last window were counted.
         beside: bool = false,

@@ -8,21 +8,20 @@ mod tail;
 pub(crate) use engine::ApproximateEngine;
 pub use tail::{GatherTail, TailPush, WeighTail};
 
-use self::tail::Tail;
 use super::engine::Work;
-use super::fading::{self, OneRun, Stages, leaving, variants};
+use super::fading::{self, leaving, variants};
 use super::{Error, Facts, Outcome, PixelsGroup, Target};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Kept, Memory, Recorder, Variant};
 use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, Stages, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::passes::project::{DISCS, Footprint};
 use crate::scene::{Discs, MAX_NODES, MomentCount};
 use crate::{fields, gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of the stages.
+    /// Push constants of stages that need nothing but their place.
     pub struct SumPush {
         walk: TileWalk,
     }
@@ -293,7 +292,7 @@ impl Approximations {
         binned: Binned,
         rounds: &[u32],
         target: &'a Target,
-    ) -> Result<(), Error> {
+    ) -> Result<(), crate::passes::Error> {
         let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
         let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
@@ -324,9 +323,9 @@ impl Approximations {
                     })?,
                 }
                 let Some(moments) = tail else { return Ok(()) };
-                let (known, depth_range) = (self.moments.get().all(), job.depth_range);
-                let tail = Tail { tiles, sums, lasts, known, moments, core_alpha_min, depth_range };
-                tail.record(recorder, &Stages { runs: binned.region_segments(), ..stages })
+                let stages = Stages { runs: binned.region_segments(), ..stages };
+                let (buffers, settings) = ((lasts, self.moments.get().all()), (moments, core_alpha_min));
+                tail::record(recorder, &stages, (tiles, sums), buffers, settings, job.depth_range)
             }
         }
     }
@@ -350,7 +349,7 @@ fn runs_over(binned: Binned, rounds: &[u32]) -> u32 {
 
 /// A variant of the stages that go through a tile block by block, from that of shape and falloff.
 fn leaving_sums(shape: Variant, run: OneRun) -> Variant {
-    bin::fold_blocks_variant(shape, run.later, run.lanes).with("KEPT", u32::from(run.kept))
+    bin::fold_blocks_variant(shape, run).with("KEPT", u32::from(run.kept))
 }
 
 /// A variant of `hybrid` over oriented discs.

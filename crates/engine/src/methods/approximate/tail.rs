@@ -5,9 +5,9 @@
 use super::{Sums, SumsGroup};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Recorder, Slice};
-use crate::methods::Error;
-use crate::methods::fading::{self, Estimate, Stages, learning, leaving, with_moments};
-use crate::passes::bin::{TileWalk, Tiled, TiledGroup};
+use crate::methods::fading::{self, Estimate, leaving, with_moments};
+use crate::passes::Error;
+use crate::passes::bin::{self, Stages, TileWalk, Tiled, TiledGroup};
 use crate::scene::{MomentCount, Moments};
 use crate::{gpu_struct, pass};
 
@@ -38,30 +38,21 @@ pass! {
     }
 }
 
-/// The buffers of both stages.
-#[derive(Clone, Copy)]
-pub(super) struct Tail<'a> {
-    pub tiles: Tiled<'a>,
-    pub sums: Sums<'a>,
-    pub lasts: Slice<'a, [u32; 2]>,
-    pub known: Slice<'a, [f32; 2]>,
-    /// Number of moments.
-    pub moments: MomentCount,
-    pub core_alpha_min: f32,
-    /// Near and far.
-    pub depth_range: [f32; 2],
-}
-
-impl<'a> Tail<'a> {
-    /// Records both stages over all tiles.
-    pub fn record(&self, recorder: &mut Recorder<'a>, stages: &Stages) -> Result<(), Error> {
-        let Self { tiles, sums, lasts, known, moments, core_alpha_min, depth_range } = *self;
-        let estimate = Estimate::new(&Moments { moments, ..Moments::default() }, depth_range);
-        let push = |number| TailPush { walk: stages.binned.walk(number), estimate, core_alpha_min };
-        let counted = |variant| with_moments(variant, moments.get());
-        stages.record(recorder, &GatherTail { tiles, lasts, known }, push, |s, run| counted(learning(s, run)))?;
-        stages.record(recorder, &WeighTail { tiles, sums, lasts, known }, push, |s, run| counted(leaving(s, run)))
-    }
+/// Records both stages over all tiles, for depths in a range.
+pub(super) fn record<'a>(
+    recorder: &mut Recorder<'a>,
+    stages: &Stages,
+    (tiles, sums): (Tiled<'a>, Sums<'a>),
+    (lasts, known): (Slice<'a, [u32; 2]>, Slice<'a, [f32; 2]>),
+    (moments, core_alpha_min): (MomentCount, f32),
+    depth_range: [f32; 2],
+) -> Result<(), Error> {
+    let estimate = Estimate::new(&Moments { moments, ..Moments::default() }, depth_range);
+    let push = |number| TailPush { walk: stages.binned.walk(number), estimate, core_alpha_min };
+    let counted = |variant| with_moments(variant, moments.get());
+    stages
+        .record(recorder, &GatherTail { tiles, lasts, known }, push, |s, run| counted(bin::region_variant(s, run)))?;
+    stages.record(recorder, &WeighTail { tiles, sums, lasts, known }, push, |s, run| counted(leaving(s, run)))
 }
 
 /// Returns the number of bytes of a pixel: its moments, and the rank of the last fragment in front of the tail.
@@ -71,5 +62,8 @@ pub(super) fn pixel_bytes(moments: MomentCount) -> u64 {
 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> [Shader; 2] {
-    [Shader::new::<GatherTail>(fading::by_moments(learning)), Shader::new::<WeighTail>(fading::by_moments(leaving))]
+    [
+        Shader::new::<GatherTail>(fading::by_moments(bin::region_variant)),
+        Shader::new::<WeighTail>(fading::by_moments(leaving)),
+    ]
 }

@@ -7,7 +7,7 @@ use super::{Sink, Source};
 use crate::methods::abuffer::{self, Sampling, Shown, Slots, StoreFragments, Taken, WindowJob};
 use crate::methods::bytes::PassRuns;
 use crate::methods::ellipsoids::Ellipsoids;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Explain, Plan};
 use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
@@ -86,10 +86,6 @@ impl Engine for DeepEngine<'_> {
         }
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let most = match &self.source {
             Source::Discs(discs, layers) => self.discs(cloud, buffers, work, (*discs, *layers))?,
@@ -101,10 +97,6 @@ impl Engine for DeepEngine<'_> {
         let Some(most) = most else { return Ok(Outcome::Overflow) };
         self.most.set(self.most.get() + most);
         Ok(Outcome::Done)
-    }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
     }
 }
 

@@ -9,14 +9,14 @@ pub(crate) use engine::FadingEngine;
 pub use passes::*;
 
 use self::passes::with_cells;
-pub(super) use self::passes::{OneRun, by_moments, learning, leaving, variants, with_moments};
-use super::approximate::{STATE_BYTES, Sums, beside};
+pub(super) use self::passes::{by_moments, leaving, variants, with_moments};
+use super::approximate::{STATE_BYTES, SumPush, Sums, beside};
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Target};
 use crate::fields;
-use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
+use crate::gpu::{Device, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins};
+use crate::passes::bin::{self, Bin, Binned, Bins, Stages};
 use crate::passes::compose;
 use crate::scene::{Discs, MomentCount, Moments};
 
@@ -139,7 +139,7 @@ impl Fadings {
         job: &WindowJob<'a>,
         binned: Binned,
         target: &'a Target,
-    ) -> Result<(), Error> {
+    ) -> Result<(), crate::passes::Error> {
         let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
         let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
@@ -150,47 +150,22 @@ impl Fadings {
                 let estimate = Estimate::new(&moments, job.depth_range);
                 let push = |number| MomentPush { walk: binned.walk(number), estimate };
                 let counted = |variant| with_moments(variant, moments.moments.get());
-                stages.record(recorder, &GatherMoments { tiles, known }, push, |s, run| counted(learning(s, run)))?;
+                stages.record(recorder, &GatherMoments { tiles, known }, push, |s, run| {
+                    counted(bin::region_variant(s, run))
+                })?;
                 stages.record(recorder, &WeighByMoments { tiles, sums, known }, push, |s, run| counted(leaving(s, run)))
             }
             Fading::Wavelet(rank) => {
-                let push = |number| WaveletPush { walk: binned.walk(number) };
+                let push = |number| SumPush { walk: binned.walk(number) };
                 let cut = |variant| with_cells(variant, 2 << rank);
                 let weigh = WeighByCells { tiles, sums, ranges, cells: known };
-                stages.record(recorder, &FindRange { tiles, ranges }, push, learning)?;
+                stages.record(recorder, &FindRange { tiles, ranges }, push, bin::region_variant)?;
                 stages.record(recorder, &GatherCells { tiles, ranges, cells: known }, push, |s, run| {
-                    cut(learning(s, run))
+                    cut(bin::region_variant(s, run))
                 })?;
                 stages.record(recorder, &weigh, push, |s, run| cut(leaving(s, run)))
             }
         }
-    }
-}
-
-/// Stages over all tiles.
-pub(super) struct Stages {
-    /// Shape and falloff.
-    pub shape: Variant,
-    /// The tiles.
-    pub binned: Binned,
-    /// Runs that it takes to get through the longest list of a tile.
-    pub runs: u32,
-}
-
-impl Stages {
-    /// Runs a stage until the longest list of a tile is done.
-    pub fn record<'a, P: Pass + 'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        pass: &P,
-        push: impl Fn(u32) -> P::Push,
-        variant: impl Fn(Variant, OneRun) -> Variant,
-    ) -> Result<(), Error> {
-        (0..self.runs).try_for_each(|number| {
-            let run = OneRun { later: number > 0, kept: self.runs > 1, lanes: self.binned.lanes() };
-            let over = Run::new(self.binned.over_blocks());
-            Ok(recorder.run(pass, push(number), &over.variant(variant(self.shape.clone(), run)))?)
-        })
     }
 }
 

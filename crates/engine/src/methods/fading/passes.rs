@@ -3,8 +3,8 @@
 use crate::choices::Choices;
 use crate::gpu::Variant;
 use crate::gpu::shader::Shader;
-use crate::methods::approximate::SumsGroup;
-use crate::passes::bin::{self, Lanes, TileWalk, TiledGroup};
+use crate::methods::approximate::{SumPush, SumsGroup};
+use crate::passes::bin::{self, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::{DISCS, Footprint};
 use crate::scene::{Falloff, MAX_RANK, MomentCount, Moments};
@@ -22,11 +22,6 @@ gpu_struct! {
     pub struct MomentPush {
         walk: TileWalk,
         estimate: Estimate,
-    }
-
-    /// Push constants of `wavelet`.
-    pub struct WaveletPush {
-        walk: TileWalk,
     }
 }
 
@@ -55,13 +50,13 @@ pass! {
     }
 
     /// Finds the nearest and the farthest fragment of each pixel, as `moments/gather` goes through a tile.
-    pub FindRange(WaveletPush) = "wavelet/range" in "wavelet/range" {
+    pub FindRange(SumPush) = "wavelet/range" in "wavelet/range" {
         tiles: Shared<TiledGroup>,
         ranges: ReadWrite<[f32; 2]>,
     }
 
     /// Sums optical depths by cells between those two, as `moments/gather` goes through a tile.
-    pub GatherCells(WaveletPush) = "wavelet/gather" in "wavelet/gather" {
+    pub GatherCells(SumPush) = "wavelet/gather" in "wavelet/gather" {
         tiles: Shared<TiledGroup>,
         ranges: Read<[f32; 2]>,
         cells: ReadWrite<[f32; 2]>,
@@ -69,7 +64,7 @@ pass! {
 
     /// Sums colors weighted by the light before them, which follows from the cells, as `moments/gather` goes through a
     /// tile.
-    pub WeighByCells(WaveletPush) = "wavelet/accumulate" in "wavelet/accumulate" {
+    pub WeighByCells(SumPush) = "wavelet/accumulate" in "wavelet/accumulate" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         ranges: Read<[f32; 2]>,
@@ -77,25 +72,9 @@ pass! {
     }
 }
 
-/// A run of several that together process the tiles' splats.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::methods) struct OneRun {
-    /// `true` if it goes on from the result of others.
-    pub(in crate::methods) later: bool,
-    /// `true` if there are several, so that each leaves what it knows.
-    pub(in crate::methods) kept: bool,
-    /// The invocations that go through the tiles.
-    pub(in crate::methods) lanes: Lanes,
-}
-
-/// Returns a variant of the stages that only learn of a pixel.
-pub(in crate::methods) fn learning(shape: Variant, run: OneRun) -> Variant {
-    bin::region_variant(shape, run.later, run.lanes)
-}
-
 /// Returns a variant of the stages that leave colors.
 pub(in crate::methods) fn leaving(shape: Variant, run: OneRun) -> Variant {
-    learning(shape, run).with("KEPT", u32::from(run.kept))
+    bin::region_variant(shape, run).with("KEPT", u32::from(run.kept))
 }
 
 /// Adds the number of moments.
@@ -108,23 +87,18 @@ pub(super) fn with_cells(variant: Variant, cells: u32) -> Variant {
     variant.constant("CELLS", cells)
 }
 
-/// Returns the variants of a stage: footprints with all cuts, falloffs and some ways, each with the first of one run, and
-/// the first and the second of two.
+/// Returns the variants of a stage: footprints with all cuts, falloffs and some ways, each with all kinds of runs.
 pub(in crate::methods) fn variants<W>(
     footprints: &[Footprint],
     ways: &[W],
     of: impl Fn(Variant, OneRun, &W) -> Variant,
 ) -> Vec<Variant> {
-    let runs: Vec<OneRun> = [(false, false), (false, true), (true, true)]
-        .into_iter()
-        .flat_map(|(later, kept)| Lanes::all().into_iter().map(move |lanes| OneRun { later, kept, lanes }))
-        .collect();
     let choices = || <(Cut, Falloff)>::all().into_iter();
     let mut all = Vec::new();
     for (footprint, (cut, falloff)) in footprints.iter().flat_map(|footprint| choices().map(move |o| (*footprint, o))) {
         let shape = compose::variant(cut, footprint, falloff);
         for way in ways {
-            all.extend(runs.iter().map(|run| of(shape.clone(), *run, way)));
+            all.extend(OneRun::all().into_iter().map(|run| of(shape.clone(), run, way)));
         }
     }
     all
@@ -144,10 +118,10 @@ fn by_cells(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
-        Shader::new::<GatherMoments>(by_moments(learning)),
+        Shader::new::<GatherMoments>(by_moments(bin::region_variant)),
         Shader::new::<WeighByMoments>(by_moments(leaving)),
-        Shader::new::<FindRange>(variants(&DISCS, &[()], |shape, run, ()| learning(shape, run))),
-        Shader::new::<GatherCells>(by_cells(learning)),
+        Shader::new::<FindRange>(variants(&DISCS, &[()], |shape, run, ()| bin::region_variant(shape, run))),
+        Shader::new::<GatherCells>(by_cells(bin::region_variant)),
         Shader::new::<WeighByCells>(by_cells(leaving)),
     ]
 }

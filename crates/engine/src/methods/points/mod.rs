@@ -89,6 +89,11 @@ pub fn nearest_dispatch(count: u64) -> Dispatch<'static> {
     Dispatch::Invocations(count.div_ceil(RUN))
 }
 
+/// Returns the push constants of a pass over a chunk with so many points from the first one.
+pub(super) fn push(chunk: usize, (first, count): (u64, u64)) -> PointsPush {
+    PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 }
+}
+
 impl Opaque {
     /// Renders the points of a cloud whose view is set into the target; what was found, chunk by chunk.
     pub(crate) fn render_points(
@@ -135,11 +140,6 @@ pub(super) fn record_nearest<'a>(
 ) -> Result<(), Error> {
     let cull = choice.cull && cloud.has_normals();
     let chunks = || cloud.chunks().enumerate();
-    let push = |chunk: usize, (first, count): (u64, u64)| PointsPush {
-        count: count as u32,
-        chunk: chunk as u32,
-        first: first as u32,
-    };
     let run = |chunk: usize, (_, count): (u64, u64)| {
         let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
         let dispatch = indirect.unwrap_or(nearest_dispatch(count));
@@ -153,24 +153,20 @@ pub(super) fn record_nearest<'a>(
         (places, normals, limits)
     };
     // All depths come before any index.
+    macro_rules! record {
+        ($pass:ident, $nearest:expr) => {
+            for (chunk, range) in chunks() {
+                let (places, normals, limits) = bound(range);
+                let pass = $pass { places, normals, limits, nearest: $nearest };
+                recorder.run(&pass, push(chunk, range), &run(chunk, range))?;
+            }
+        };
+    }
     if wide {
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(
-                &Nearest { places, normals, limits, nearest: nearest.cast() },
-                push(chunk, range),
-                &run(chunk, range),
-            )?;
-        }
+        record!(Nearest, nearest.cast());
     } else {
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(&NearestDepth { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
-        }
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(&NearestId { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
-        }
+        record!(NearestDepth, nearest);
+        record!(NearestId, nearest);
     }
     Ok(())
 }

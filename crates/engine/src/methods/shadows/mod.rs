@@ -239,11 +239,6 @@ fn finish(device: &Device, cloud: &mut DeviceCloud, casting: &Casting, timeline:
     Ok(())
 }
 
-/// The push constants of the passes over points of a chunk.
-fn push(chunk: usize, (first, count): (u64, u64)) -> points::PointsPush {
-    points::PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 }
-}
-
 /// A run of the passes over points.
 fn walk<'a>((_, count): (u64, u64)) -> Run<'a> {
     Run::new(points::nearest_dispatch(count))
@@ -257,7 +252,7 @@ fn record_nearest<'a>(
 ) -> Result<(), Error> {
     for (chunk, range) in cloud.chunks().enumerate() {
         let nearest = Nearest { places: cloud.places(range.0, range.1), nearest: image.all() };
-        recorder.run(&nearest, push(chunk, range), &walk(range).variant(walk_variant()))?;
+        recorder.run(&nearest, points::push(chunk, range), &walk(range).variant(walk_variant()))?;
     }
     Ok(())
 }
@@ -289,7 +284,7 @@ fn record_lit<'a>(
             depths: depths.all(),
             light: light.all(),
         };
-        recorder.run(&lit, push(chunk, range), &walk(range).variant(lit_variant(cube)))?;
+        recorder.run(&lit, points::push(chunk, range), &walk(range).variant(lit_variant(cube)))?;
     }
     Ok(())
 }

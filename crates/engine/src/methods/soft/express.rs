@@ -12,7 +12,7 @@ use crate::methods::sorted::{self, STOP_NEVER, STOPS};
 use crate::methods::told::Told;
 use crate::methods::{Error, Frame, Outcome, PixelsGroup, Target};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::{fields, gpu_struct, pass};
 
@@ -140,9 +140,10 @@ impl SoftDiscs {
         for segment in 0..binned.segments() {
             let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, max_color };
             let (modulated, counted) = (job.modulated, frame.fragments);
-            let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
-            let run = Run::new(binned.over_tiles());
-            recorder.run(&express, push, &run.variant(express_variant(binned.cut(), kind, binned.lanes())))?;
+            let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted };
+            let run = OneRun::new(segment, binned.segments(), binned.lanes());
+            let over = Run::new(binned.over_tiles()).variant(express_variant(binned.cut(), kind, run));
+            recorder.run(&express, push, &over)?;
         }
         Ok(())
     }
@@ -159,14 +160,12 @@ pub(crate) struct ExpressKind {
     pub modulated: bool,
     /// `true` if discs are counted, so that none is left out.
     pub counted: bool,
-    /// A run that goes on from the image.
-    pub later: bool,
 }
 
 /// A variant of `soft/express`.
-fn express_variant(cut: Cut, kind: ExpressKind, lanes: Lanes) -> Variant {
+fn express_variant(cut: Cut, kind: ExpressKind, run: OneRun) -> Variant {
     let flat = compose::disc_variant(cut);
-    bin::fold_variant(flat, kind.later, lanes)
+    bin::fold_variant(flat, run)
         .with("STOP", if kind.counted { STOP_NEVER } else { kind.stop })
         .with("CUT", u32::from(kind.cut))
         .with("MODULATED", u32::from(kind.modulated))
@@ -175,11 +174,11 @@ fn express_variant(cut: Cut, kind: ExpressKind, lanes: Lanes) -> Variant {
 
 /// Returns the pass with its variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let flags = <((bool, bool), (bool, bool))>::all();
-    let kinds = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
-        STOPS.map(|stop| ExpressKind { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
+    let flags = <(bool, (bool, bool))>::all();
+    let kinds = flags.iter().flat_map(|(cut, (modulated, counted))| {
+        STOPS.map(|stop| ExpressKind { stop, cut: *cut, modulated: *modulated, counted: *counted })
     });
-    let ways = |kind| <(Cut, Lanes)>::all().into_iter().map(move |(cut, lanes)| express_variant(cut, kind, lanes));
+    let ways = |kind| <(Cut, OneRun)>::all().into_iter().map(move |(cut, run)| express_variant(cut, kind, run));
     vec![Shader::new::<Express>(kinds.flat_map(ways))]
 }
 

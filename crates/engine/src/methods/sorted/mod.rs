@@ -11,9 +11,9 @@ use super::engine::Work;
 use super::{Error, Frame, Outcome, PixelsGroup, Target};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Run, Variant};
+use crate::gpu::{Recorder, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, Stages, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::scene::{ColorSpace, Discs};
 use crate::{gpu_struct, pass};
@@ -98,12 +98,9 @@ fn record_blend<'a>(
     let blend = Blend { tiles, into: target.pixels() };
     let (stop, max_color) = stop(frame.stop, frame.color, job.max_color);
     let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
-    for segment in 0..binned.segments() {
-        let push = BlendPush { walk: binned.walk(segment), max_opacity: cloud.max_opacity(), max_color };
-        let variant = blend_variant(shape.clone(), stop, segment > 0, binned.lanes());
-        recorder.run(&blend, push, &Run::new(binned.over_blocks()).variant(variant))?;
-    }
-    Ok(())
+    let push = |number| BlendPush { walk: binned.walk(number), max_opacity: cloud.max_opacity(), max_color };
+    let stages = Stages { shape, binned, runs: binned.segments() };
+    Ok(stages.record(recorder, &blend, push, |shape, run| blend_variant(shape, stop, run))?)
 }
 
 /// Values of `STOP` in WGSL.
@@ -132,21 +129,16 @@ pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
     }
 }
 
-/// A variant of `sorted/blend`, from that of shape and falloff; `later`: a run that goes on from the image.
-fn blend_variant(shape: Variant, stop: u32, later: bool, lanes: Lanes) -> Variant {
-    bin::fold_blocks_variant(shape, later, lanes).with("STOP", stop)
+/// A variant of `sorted/blend`, from that of shape and falloff.
+fn blend_variant(shape: Variant, stop: u32, run: OneRun) -> Variant {
+    bin::fold_blocks_variant(shape, run).with("STOP", stop)
 }
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let mut variants = Vec::new();
-    for (shape, later) in compose::variants().iter().flat_map(|shape| bool::all().into_iter().map(move |l| (shape, l)))
-    {
-        for lanes in Lanes::all() {
-            variants.extend(STOPS.map(|stop| blend_variant(shape.clone(), stop, later, lanes)));
-        }
-    }
-    vec![Shader::new::<Blend>(variants)]
+    let runs = |shape: Variant| OneRun::all().into_iter().map(move |run| (shape.clone(), run));
+    let stops = |(shape, run): (Variant, OneRun)| STOPS.map(|stop| blend_variant(shape.clone(), stop, run));
+    vec![Shader::new::<Blend>(compose::variants().into_iter().flat_map(runs).flat_map(stops))]
 }
 
 #[cfg(test)]

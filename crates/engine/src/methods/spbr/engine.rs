@@ -5,7 +5,7 @@ use super::{Form, Scale, WindowJob, is_listed, least_bytes, shares, slots_of, st
 use crate::camera::Projection;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
+use crate::methods::engine::{Counts, Engine, Sums, Work};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::{Buffers, Error, Frame, Outcome, SamplePart};
 use crate::passes::bands::{self, Budget, Window};
@@ -56,10 +56,6 @@ impl Engine for EnsembleEngine {
 
     fn sums(&self) -> Option<Sums> {
         Some(Sums::Ensembles)
-    }
-
-    fn channels(&self) -> Channels {
-        Channels::NONE
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {

@@ -16,7 +16,7 @@ use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice,
 use crate::methods::abuffer::CountPush;
 use crate::methods::engine::Work;
 use crate::methods::parts::Plane;
-use crate::methods::{Error, SamplePart, Target};
+use crate::methods::{Error, SamplePart};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::Column;
@@ -136,7 +136,14 @@ impl Ensembles {
     ) -> Result<(), Error> {
         let (target, pixels) = (work.target, work.pixels());
         let push = ResolvePush { pixels: pixels as u32, ensembles, scale: scale.one };
-        self.record_resolve(&mut recorder, (push, work.frame.wants_spread()), target)?;
+        let pass = Resolve {
+            pixels: self.pixels.get().all(),
+            squares: self.squares.get().all(),
+            into: target.pixels(),
+            spread: self.spread.get().all(),
+        };
+        let run = Run::new(Dispatch::Invocations(pixels)).variant(resolve_variant(work.frame.wants_spread()));
+        recorder.run(&pass, push, &run)?;
         target.record_read_back(&mut recorder, pixels)?;
         Ok(work.timeline.submit(recorder, "spbr/resolve")?)
     }
@@ -313,22 +320,6 @@ impl Ensembles {
             Column::Normal => &job.cloud.normals,
         };
         all.slice(points.start, points.end - points.start)
-    }
-
-    fn record_resolve<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        (push, spread): (ResolvePush, bool),
-        target: &'a Target,
-    ) -> Result<(), Error> {
-        let pass = Resolve {
-            pixels: self.pixels.get().all(),
-            squares: self.squares.get().all(),
-            into: target.pixels(),
-            spread: self.spread.get().all(),
-        };
-        let run = Run::new(Dispatch::Invocations(u64::from(push.pixels)));
-        Ok(recorder.run(&pass, push, &run.variant(resolve_variant(spread)))?)
     }
 }
 

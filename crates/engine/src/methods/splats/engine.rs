@@ -3,7 +3,7 @@
 use super::{PASSES, PIXEL_BYTES, WindowJob, least_bytes, survey};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, PassGroup, Plan};
 use crate::methods::soft::Layer;
 use crate::methods::{Buffers, Error, Facts, Frame, Outcome, Resources, tiled};
@@ -34,10 +34,6 @@ impl Engine for SplatsEngine {
         Extent::squares(frame.factors.radius * self.settings.splats.size)
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let BlendedSplats { splats, blend_depth, .. } = self.settings;
         let how = work.frame.projecting(cloud, self.footprint, splats, Part::All);
@@ -50,10 +46,6 @@ impl Engine for SplatsEngine {
         work.note(&stats, Walker::Compute);
         work.read_back()?;
         Ok(Outcome::Done)
-    }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
     }
 }
 

@@ -21,9 +21,9 @@ use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, Stages, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
-use crate::passes::project::{Footprint, TILED};
+use crate::passes::project::TILED;
 use crate::scene::Falloff;
 use crate::{fields, gpu_struct, pass};
 
@@ -138,24 +138,12 @@ impl Splatter {
         let visibility = Visibility { tiles, layer, limits, depths: into.depths };
         let (image, excess) = (into.image, self.excess.get().all());
         let attributes = Attributes { tiles, layer, limits, image, excess };
-        let run = |number: u32| OneRun {
-            later: number > 0,
-            kept: binned.region_segments() > 1,
-            behind: job.layer.is_some(),
-            cut: binned.cut(),
-            lanes: binned.lanes(),
-        };
-        let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
-        for number in 0..binned.region_segments() {
-            let (push, run) = over(number);
-            let groups = Run::new(binned.over_blocks());
-            recorder.run(&visibility, push, &groups.variant(run.visibility(raster.footprint)))?;
-        }
-        for number in 0..binned.region_segments() {
-            let (push, run) = over(number);
-            let groups = Run::new(binned.over_blocks());
-            recorder.run(&attributes, push, &groups.variant(run.attributes(raster.footprint)))?;
-        }
+        let (runs, behind) = (binned.region_segments(), job.layer.is_some());
+        let push = |number| SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth };
+        let shape = compose::variant(binned.cut(), raster.footprint, Falloff::Flat);
+        let stages = Stages { shape, binned, runs };
+        stages.record(recorder, &visibility, push, |shape, run| visibility_variant(shape, run, behind))?;
+        stages.record(recorder, &attributes, push, |shape, run| attributes_variant(shape, run, behind))?;
         let pixels = bands::pixels(raster.window);
         let push = CountPush { count: pixels as u32 };
         Ok(recorder.run(&Normalize { image }, push, &Run::new(Dispatch::Invocations(pixels)))?)
@@ -178,32 +166,14 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
     Ok(outcome)
 }
 
-/// A run of several that together process the tiles' splats.
-#[derive(Debug, Clone, Copy)]
-pub struct OneRun {
-    /// `true` if it goes on from the result of others.
-    pub later: bool,
-    /// `true` if it is one of several, each of which leaves its state.
-    pub kept: bool,
-    /// `true` if only fragments behind a layer count.
-    pub behind: bool,
-    /// Way to reach splats.
-    pub cut: Cut,
-    /// The invocations that go through the tiles.
-    pub lanes: Lanes,
+/// The variant of `splats/visibility`, from that of shape; `behind`: only fragments behind a layer count.
+fn visibility_variant(shape: Variant, run: OneRun, behind: bool) -> Variant {
+    bin::region_variant(shape, run).with("BEHIND", u32::from(behind))
 }
 
-impl OneRun {
-    /// The variant of `splats/visibility`.
-    fn visibility(self, footprint: Footprint) -> Variant {
-        let shape = compose::variant(self.cut, footprint, Falloff::Flat);
-        bin::region_variant(shape, self.later, self.lanes).with("BEHIND", u32::from(self.behind))
-    }
-
-    /// The variant of `splats/attributes`.
-    fn attributes(self, footprint: Footprint) -> Variant {
-        self.visibility(footprint).with("KEPT", u32::from(self.kept))
-    }
+/// The variant of `splats/attributes`.
+fn attributes_variant(shape: Variant, run: OneRun, behind: bool) -> Variant {
+    visibility_variant(shape, run, behind).with("KEPT", u32::from(run.kept))
 }
 
 /// Returns the number of bytes that a pass must at least read and write: of splats each pair with a tile in each of two
@@ -221,16 +191,14 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let runs = || {
-        let choices = <((bool, bool), (bool, Cut))>::all().into_iter();
-        let sized = choices.flat_map(|((later, kept), (behind, cut))| {
-            Lanes::all().into_iter().map(move |lanes| OneRun { later, kept, behind, cut, lanes })
-        });
-        sized.flat_map(|run| TILED.map(|shape| (run, shape)))
+    let all = |of: fn(Variant, OneRun, bool) -> Variant| {
+        let choices = <(Cut, (OneRun, bool))>::all().into_iter();
+        let shape = |cut| TILED.map(|footprint| compose::variant(cut, footprint, Falloff::Flat));
+        choices.flat_map(move |(cut, (run, behind))| shape(cut).map(|shape| of(shape, run, behind)))
     };
     vec![
-        Shader::new::<Visibility>(runs().map(|(run, shape)| run.visibility(shape))),
-        Shader::new::<Attributes>(runs().map(|(run, shape)| run.attributes(shape))),
+        Shader::new::<Visibility>(all(visibility_variant)),
+        Shader::new::<Attributes>(all(attributes_variant)),
         Shader::plain::<Normalize>(),
     ]
 }

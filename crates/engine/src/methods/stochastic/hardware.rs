@@ -189,7 +189,10 @@ impl Sampler {
     /// Renders a window into the target by the rasterizer, or keeps its sums.
     pub(crate) fn draw(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>, depths: HeldDepths) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
-        self.reserve_drawing(device, job)?;
+        self.keys.release();
+        self.indices.release();
+        self.reserve_sums(device, job.pixels(), job.kind(), most_strata(job.batches()))?;
+        self.attachments.reserve(device, size(job.bin.raster.window))?;
         if !is_seen(&job.bin.raster) {
             return self.end_empty(work, job);
         }
@@ -197,8 +200,17 @@ impl Sampler {
         for batch in job.batches() {
             let mut recorder = work.timeline.recorder(device)?;
             if batch.before == 0 && job.finds_exact() {
-                let push = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
-                self.record_alpha(&mut recorder, job, push)?;
+                let stratum = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
+                let color = Some((self.attachments.alphas.get(), Blend::Cover));
+                let targets = Targets { color, depth: None, clear: Some(0.0) };
+                let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+                job.bin.raster.draw(
+                    &mut recorder,
+                    &draw_variant(job),
+                    targets,
+                    |quads, _| DrawAlpha { quads },
+                    push,
+                )?;
             }
             for number in 0..batch.left.div_ceil(STRATUM) {
                 self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
@@ -206,25 +218,6 @@ impl Sampler {
             self.end_batch(recorder, work, (job, batch), "stochastic/draw-held and draw-sums")?;
         }
         self.end(work, job)
-    }
-
-    fn reserve_drawing(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
-        self.keys.release();
-        self.indices.release();
-        self.reserve_sums(device, job.pixels(), job.kind(), most_strata(job.batches()))?;
-        self.attachments.reserve(device, size(job.bin.raster.window))
-    }
-
-    fn record_alpha<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        stratum: Stratum,
-    ) -> Result<(), Error> {
-        let color = Some((self.attachments.alphas.get(), Blend::Cover));
-        let targets = Targets { color, depth: None, clear: Some(0.0) };
-        let push = |first| StratumPush { first, ..stratum.push(job.seed) };
-        Ok(job.bin.raster.draw(recorder, &draw_variant(job), targets, |quads, _| DrawAlpha { quads }, push)?)
     }
 
     fn record_stratum<'a>(

@@ -3,9 +3,9 @@
 use super::{Batch, Kind, STRATA, Sampler, WindowJob};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Run, Variant};
+use crate::gpu::{Recorder, Variant};
 use crate::methods::{Error, Target};
-use crate::passes::bin::{self, Lanes, OrderedTiles, TileWalk, TiledGroup};
+use crate::passes::bin::{self, OneRun, OrderedTiles, Stages, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
@@ -44,10 +44,9 @@ pass! {
     }
 }
 
-/// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes
-/// on from what earlier ones left.
-fn tile_variant(shape: Variant, strata: u32, later: bool, lanes: Lanes) -> Variant {
-    bin::region_variant(shape, later, lanes)
+/// The variant of `stochastic/visibility`, from that of shape and falloff.
+fn tile_variant(shape: Variant, strata: u32, run: OneRun) -> Variant {
+    bin::region_variant(shape, run)
         .constant("STRATA", strata)
         .each("stratum", strata)
         .each("pair", strata / STRATA_OF_A_CALL)
@@ -76,22 +75,13 @@ impl Sampler {
         };
         let binned = tiles.binned;
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.settings.discs.falloff);
-        let runs = |segment: u32| {
-            let push = push(job, binned.walk(segment), batch);
-            (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.lanes()))
-        };
-        let dispatch = || Run::new(binned.over_blocks());
-        for segment in 0..binned.region_segments() {
-            let (push, variant) = runs(segment);
-            recorder.run(&visibility, push, &dispatch().variant(variant))?;
-        }
+        let stages = Stages { shape, binned, runs: binned.region_segments() };
+        let push = |number| push(job, binned.walk(number), batch);
+        let tile = |shape, run| tile_variant(shape, batch.strata, run);
+        stages.record(recorder, &visibility, push, tile)?;
         // All strata have the same exact A: the first ones find it.
         let kind = Kind { exact: job.finds_exact() && batch.before == 0, ..job.kind() };
-        for segment in 0..binned.region_segments() {
-            let (push, variant) = runs(segment);
-            recorder.run(&accumulate, push, &dispatch().variant(kind.apply_to(variant)))?;
-        }
-        Ok(())
+        Ok(stages.record(recorder, &accumulate, push, |shape, run| kind.apply_to(tile(shape, run)))?)
     }
 }
 
@@ -104,11 +94,9 @@ fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let later = compose::variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
-    let tiles: Vec<Variant> = later
-        .flat_map(|(shape, later)| Lanes::all().into_iter().map(move |lanes| (shape.clone(), later, lanes)))
-        .flat_map(|(shape, later, lanes)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, lanes)))
-        .collect();
+    let runs = |shape: Variant| OneRun::all().into_iter().map(move |run| (shape.clone(), run));
+    let strata = |(shape, run): (Variant, OneRun)| STRATA.map(|strata| tile_variant(shape.clone(), strata, run));
+    let tiles: Vec<Variant> = compose::variants().into_iter().flat_map(runs).flat_map(strata).collect();
     let kinds = || Kind::all().into_iter();
     let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.apply_to(tile.clone())));
     vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]
