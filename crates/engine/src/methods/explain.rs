@@ -139,8 +139,8 @@ impl Plan<'_> {
     }
 
     /// Returns a reason where splats touch the image.
-    pub fn if_seen(&self, reason: String) -> String {
-        if self.seen() { reason } else { NOTHING.to_owned() }
+    pub fn if_seen(&self, reason: impl Into<String>) -> String {
+        if self.seen() { reason.into() } else { NOTHING.to_owned() }
     }
 
     /// Returns the shading of points, in words.

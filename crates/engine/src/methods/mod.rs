@@ -52,7 +52,7 @@ pub use frame_profile::{FrameProfile, PassProfile};
 pub use parts::{DrawnPart, PartError, SamplePart, SampleSteps};
 pub use reach::{need_subgroups, without_subgroups};
 pub use renderer::{Rendered, Renderer, Source, Upload};
-pub use target::{Layer, Pixels, Target};
+pub use target::{Layer, Pixels, PixelsGroup, Target};
 
 pub use crate::passes::compose::Stop;
 pub use crate::passes::timeline::Timeline;

@@ -6,6 +6,7 @@ use super::Error;
 use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
 use crate::image::Image;
 use crate::passes::bands::{self, Window};
+use crate::{fields, group};
 
 /// The destination of a window's pixels.
 pub struct Target {
@@ -97,13 +98,14 @@ impl Target {
     }
 }
 
-/// The image to draw into; it has at least as many elements as the window has pixels.
-#[derive(Clone, Copy)]
-pub struct Pixels<'a> {
-    /// Premultiplied color; A = 1 where anything is, else all 0.
-    pub image: Slice<'a, [f32; 4]>,
-    /// Depths along the viewing axis, +inf where nothing is.
-    pub depths: Slice<'a, f32>,
+group! {
+    /// The image to draw into; it has at least as many elements as the window has pixels.
+    pub Pixels as PixelsGroup {
+        /// Premultiplied color; A = 1 where anything is, else all 0.
+        image: ReadWrite<[f32; 4]>,
+        /// Depths along the viewing axis, +inf where nothing is.
+        depths: ReadWrite<f32>,
+    }
 }
 
 impl<'a> Pixels<'a> {
@@ -116,15 +118,11 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// Pixels of a window's solid points, which soft ones are drawn before, or of its nearest soft points.
-pub struct Layer {
-    image: Kept<[f32; 4]>,
-    depths: Kept<f32>,
-}
-
-impl Default for Layer {
-    fn default() -> Self {
-        Self { image: Kept::new("solid image", Memory::Device), depths: Kept::new("solid depths", Memory::Device) }
+fields! {
+    /// Pixels of a window's solid points, which soft ones are drawn before, or of its nearest soft points.
+    pub struct Layer {
+        image: Kept<[f32; 4]> = Kept::new("solid image", Memory::Device),
+        depths: Kept<f32> = Kept::new("solid depths", Memory::Device),
     }
 }
 

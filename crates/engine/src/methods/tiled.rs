@@ -5,22 +5,26 @@ use super::bytes::PassRuns;
 use super::engine::{Channels, Engine, Work};
 use super::explain::{Absent, Explain, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
 use super::walker::walker;
-use super::{Buffers, Error, Facts, Frame, Outcome, Resources};
+use super::{Buffers, Error, Facts, Frame, Outcome, PixelsGroup, Resources};
 use crate::gpu::{Device, DeviceInfo, Recorder};
-use crate::group;
 use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::{self, Bin, Binned, Bins, Order, RECORD_BYTES};
+use crate::passes::bin::{self, Bin, Binned, Bins, Order, RECORD_BYTES, TileWalk};
 use crate::passes::project::DeviceCloud;
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{self, DiscShape, Discs};
+use crate::{gpu_struct, group};
+
+gpu_struct! {
+    /// Push constants of stages that need nothing but their place.
+    pub struct SumPush {
+        walk: TileWalk,
+    }
+}
 
 group! {
     /// Bindings of stages that keep sums for each pixel, besides the tiles.
     pub Sums as SumsGroup {
-        /// Premultiplied color and A of the window's pixels.
-        image: ReadWrite<[f32; 4]>,
-        /// Depths of the window's pixels.
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
         /// State that a run leaves to the next.
         kept: ReadWrite<[f32; 4]>,
     }

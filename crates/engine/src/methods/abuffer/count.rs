@@ -2,7 +2,7 @@
 
 use super::capacity::Need;
 use super::passes::{Lengths, Measure};
-use super::{ABuffer, Bodies, LOCAL_LENGTH, WindowJob};
+use super::{ABuffer, Bodies, Counting, LOCAL_LENGTH, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
 use crate::methods::{Error, Facts, Timeline};
 use crate::passes::bands::{self, Band};
@@ -94,7 +94,8 @@ impl ABuffer {
             recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
             recorder.fill("abuffer/clear", self.body_lengths.all(), 0)?;
         }
-        job.storing.record_count(&mut recorder, &job.raster, counts.all(), self.bodies.get().all())?;
+        let counting = Counting { raster: job.raster, counts: counts.all(), bodies: self.bodies.get().all() };
+        job.storing.record_count(&mut recorder, counting)?;
         let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));
         let push = CountPush { count: pixels as u32 };
         if beside {

@@ -10,7 +10,7 @@ pub use tail::{GatherTail, TailPush, WeighTail};
 
 use self::tail::Tail;
 use super::engine::Work;
-use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Sums, SumsGroup};
+use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums, SumsGroup};
 use super::{Error, Facts, Outcome, Target, fading};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Kept, Memory, Recorder, Variant};
@@ -19,37 +19,26 @@ use crate::passes::compose;
 use crate::passes::project::{DISCS, Footprint};
 use crate::passes::raster::Raster;
 use crate::scene::{MAX_NODES, MomentCount};
-use crate::{gpu_struct, pass};
-
-gpu_struct! {
-    /// Push constants of the stages; shaders/shared/tile_fold.wgsl explains the members.
-    pub struct SumPush {
-        walk: TileWalk,
-    }
-}
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants of `hybrid`: number of fragments that are composed exactly, and the least opacity of one.
     pub struct HybridPush {
         walk: TileWalk,
-        k: u32,
+        k: u32, // Fragments that are composed exactly, and the least opacity of one.
         core_alpha_min: f32,
     }
-}
 
-gpu_struct! {
     /// Push constants of a round of `hybrid` over oriented discs, which composes as many fragments as it has slots.
     pub struct RoundPush {
         walk: TileWalk,
-        core_alpha_min: f32,
+        core_alpha_min: f32, // The least opacity of a fragment that is composed exactly.
     }
-}
 
-gpu_struct! {
     /// Push constants of `mlab`; `unused` slots stay empty.
     pub struct LayerPush {
         walk: TileWalk,
-        unused: u32,
+        unused: u32, // Slots that stay empty: the first ones.
     }
 }
 
@@ -57,46 +46,24 @@ pass! {
     /// Sums the splats of a tile with weights that fall with depth: one subgroup per block of a tile keeps the sums of
     /// its pixels in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the
     /// sums.
-    pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted",
     /// Averages the colors of the splats over each pixel, as `weighted/accumulate` goes through a tile.
-    pub Average(SumPush) = "average/accumulate" in "approximate/average" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Average(SumPush) = "average/accumulate" in "approximate/average",
     /// Blends the splats of each pixel in the order of the files, as `weighted/accumulate` goes through a tile.
-    pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted",
     /// Composes the first `k` fragments of each pixel front to back and sums the others, over flat discs.
     pub HybridFlat(HybridPush) = "hybrid/accumulate" in "approximate/hybrid" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
     }
-}
 
-pass! {
     /// Composes the first `k` fragments of each pixel front to back before a tail by moments, over flat discs.
     pub HybridFront(HybridPush) = "hybrid/accumulate" in "approximate/hybrid_front" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
     }
-}
 
-pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block
     /// of a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last
     /// round are summed.
@@ -106,9 +73,7 @@ pass! {
         lasts: ReadWrite<[u32; 2]>,
         slots: ReadWrite<[u32; 4]>,
     }
-}
 
-pass! {
     /// Keeps the nearest fragments of each pixel in slots by insertion, in the order of the files, and merges what
     /// falls out of them into one last layer: region by region, as `hybrid/accumulate` over oriented discs.
     pub Layers(LayerPush) = "mlab/accumulate" in "mlab/accumulate" {
@@ -208,22 +173,13 @@ fn run_bytes(rounds: &[u32]) -> u64 {
     STATE_BYTES + rounds.first().map_or(0, |slots| 16 + SLOT_BYTES * u64::from(*slots))
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Approximations {
-    state: Kept<[f32; 4]>,
-    lasts: Kept<[u32; 2]>,
-    slots: Kept<[u32; 4]>,
-    moments: Kept<[f32; 2]>,
-}
-
-impl Default for Approximations {
-    fn default() -> Self {
-        Self {
-            state: Kept::new("sums of pixels", Memory::Device),
-            lasts: Kept::new("last ranks of pixels", Memory::Device),
-            slots: Kept::new("nearest fragments of pixels, by slot", Memory::Device),
-            moments: Kept::new("moments of tails", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Approximations {
+        state: Kept<[f32; 4]> = Kept::new("sums of pixels", Memory::Device),
+        lasts: Kept<[u32; 2]> = Kept::new("last ranks of pixels", Memory::Device),
+        slots: Kept<[u32; 4]> = Kept::new("nearest fragments of pixels, by slot", Memory::Device),
+        moments: Kept<[f32; 2]> = Kept::new("moments of tails", Memory::Device),
     }
 }
 
@@ -284,7 +240,7 @@ impl Approximations {
         target: &'a Target,
     ) -> Result<(), Error> {
         let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
-        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
+        let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
         let (lasts, slots, runs) = (self.lasts.get().all(), self.slots.get().all(), runs_over(binned, rounds));
         let push = |walk| SumPush { walk };

@@ -16,7 +16,7 @@ gpu_struct! {
     pub struct TailPush {
         walk: TileWalk,
         estimate: Estimate,
-        core_alpha_min: f32,
+        core_alpha_min: f32, // The least opacity of a fragment that is composed exactly.
     }
 }
 
@@ -28,9 +28,7 @@ pass! {
         lasts: Read<[u32; 2]>,
         known: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums the colors of the same fragments, weighted by the light before them, and puts them behind the others.
     pub WeighTail(TailPush) = "hybrid/weigh" in "approximate/hybrid_weigh" {
         tiles: Shared<TiledGroup>,

@@ -11,8 +11,9 @@ pub use passes::*;
 use self::passes::with_cells;
 pub(super) use self::passes::{by_moments, leaving, with_moments};
 use super::engine::Work;
-use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Sums};
+use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums};
 use super::{Error, Facts, Outcome, Target};
+use crate::fields;
 use crate::gpu::{Device, Kept, Memory, Recorder};
 use crate::passes::bands::Budget;
 use crate::passes::bin::{self, Binned, Bins};
@@ -66,20 +67,12 @@ fn most_pixels(budget: Budget, fading: Fading, other_bytes: u64) -> u64 {
     budget.window_pixels(other_bytes + pixel_bytes(fading)).min(bound)
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Fadings {
-    known: Kept<[f32; 2]>,
-    ranges: Kept<[f32; 2]>,
-    state: Kept<[f32; 4]>,
-}
-
-impl Default for Fadings {
-    fn default() -> Self {
-        Self {
-            known: Kept::new("fading of pixels", Memory::Device),
-            ranges: Kept::new("ranges of depths of pixels", Memory::Device),
-            state: Kept::new("weighted sums of pixels", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Fadings {
+        known: Kept<[f32; 2]> = Kept::new("fading of pixels", Memory::Device),
+        ranges: Kept<[f32; 2]> = Kept::new("ranges of depths of pixels", Memory::Device),
+        state: Kept<[f32; 4]> = Kept::new("weighted sums of pixels", Memory::Device),
     }
 }
 
@@ -121,7 +114,7 @@ impl Fadings {
         target: &'a Target,
     ) -> Result<(), Error> {
         let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
-        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
+        let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
         let (known, ranges) = (self.known.get().all(), self.ranges.get().all());
         let runs = binned.region_segments();
@@ -137,7 +130,7 @@ impl Fadings {
                 binned.record_runs(recorder, &weigh, runs, push, |run| counted(leaving(run)))?;
             }
             Fading::Wavelet(rank) => {
-                let push = |walk| WaveletPush { walk };
+                let push = |walk| SumPush { walk };
                 let cut = |variant| with_cells(variant, 2 << rank);
                 let gather = GatherCells { tiles, ranges, cells: known };
                 let weigh = WeighByCells { tiles, sums, ranges, cells: known };

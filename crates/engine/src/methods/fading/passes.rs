@@ -2,18 +2,24 @@
 
 use crate::gpu::Variant;
 use crate::gpu::shader::Shader;
-use crate::methods::tiled::SumsGroup;
+use crate::methods::tiled::{SumPush, SumsGroup};
 use crate::passes::bin::{self, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::scene::{MAX_RANK, MomentCount, Moments};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Estimate of light from moments; shaders/shared/moment.wgsl explains the members.
+    /// Estimate of light from moments.
     pub struct Estimate {
         scale: f32,
         overestimation: f32,
         bias: f32,
+    }
+
+    /// Push constants of `moments`.
+    pub struct MomentPush {
+        walk: TileWalk,
+        estimate: Estimate,
     }
 }
 
@@ -26,21 +32,6 @@ impl Estimate {
     }
 }
 
-gpu_struct! {
-    /// Push constants of `moments`.
-    pub struct MomentPush {
-        walk: TileWalk,
-        estimate: Estimate,
-    }
-}
-
-gpu_struct! {
-    /// Push constants of `wavelet`.
-    pub struct WaveletPush {
-        walk: TileWalk,
-    }
-}
-
 pass! {
     /// Sums powers of the depths of each pixel's fragments, weighted by their optical depths: one subgroup per block of
     /// a tile goes through it region by region.
@@ -48,38 +39,30 @@ pass! {
         tiles: Shared<TiledGroup>,
         known: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums colors weighted by the light before them, which the moments bound, as `moments/gather` goes through a tile.
     pub WeighByMoments(MomentPush) = "moments/accumulate" in "moments/accumulate" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         known: Read<[f32; 2]>,
     }
-}
 
-pass! {
     /// Finds the nearest and the farthest fragment of each pixel, as `moments/gather` goes through a tile.
-    pub FindRange(WaveletPush) = "wavelet/range" in "wavelet/range" {
+    pub FindRange(SumPush) = "wavelet/range" in "wavelet/range" {
         tiles: Shared<TiledGroup>,
         ranges: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums optical depths by cells between those two, as `moments/gather` goes through a tile.
-    pub GatherCells(WaveletPush) = "wavelet/gather" in "wavelet/gather" {
+    pub GatherCells(SumPush) = "wavelet/gather" in "wavelet/gather" {
         tiles: Shared<TiledGroup>,
         ranges: Read<[f32; 2]>,
         cells: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums colors weighted by the light before them, which follows from the cells, as `moments/gather` goes through a
     /// tile.
-    pub WeighByCells(WaveletPush) = "wavelet/accumulate" in "wavelet/accumulate" {
+    pub WeighByCells(SumPush) = "wavelet/accumulate" in "wavelet/accumulate" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         ranges: Read<[f32; 2]>,

@@ -21,7 +21,7 @@ use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
 use crate::passes::project::points_dispatch;
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 /// Layers of a submission: what is recorded beyond the last layer costs something, too.
 const BATCH: u32 = 8;
@@ -31,15 +31,15 @@ const WORDS: u64 = 4;
 gpu_struct! {
     /// Push constants of `peel-layers/blend`.
     pub struct BlendPush {
-        columns: u32,
+        columns: u32, // Columns of tiles, and all tiles.
         tiles: u32,
-        left: u32,
+        left: u32, // The window's corner in the rectangle in work, and its size.
         top: u32,
         width: u32,
         height: u32,
-        outer_width: u32,
+        outer_width: u32, // Size of the rectangle in work.
         outer_height: u32,
-        distance: f32,
+        distance: f32, // d~ in world units.
     }
 }
 
@@ -76,16 +76,18 @@ pub struct LayersJob<'a> {
     pub read_back: bool,
 }
 
-/// Buffers of layers and their images, kept from frame to frame.
-pub struct LayerPeeler {
-    images: Filterer,
-    limits: Kept<u32>,
-    layers: Kept<u32>,
-    work_host: Buffer<PeelWork>,
-    told: Told<u32>,
-    dispatches: Kept<u32>,
-    /// Layers of the last window.
-    last_layers: u32,
+fields! {
+    /// Buffers of layers and their images, kept from frame to frame.
+    pub struct LayerPeeler by device {
+        images: Filterer = Filterer::new(device)?,
+        limits: Kept<u32> = Kept::new("layer limits", Memory::Device),
+        layers: Kept<u32> = Kept::new("layer counts", Memory::Device),
+        work_host: Buffer<PeelWork> = device.buffer("layer work, host", 1, Memory::Readback)?,
+        told: Told<u32> = Told::new("layer counts, host"),
+        dispatches: Kept<u32> = Kept::new("layer dispatches", Memory::Device),
+        /// Layers of the last window.
+        last_layers: u32 = 0,
+    }
 }
 
 /// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none
@@ -108,15 +110,7 @@ impl<'a> Dispatches<'a> {
 
 impl Made for LayerPeeler {
     fn made(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            images: Filterer::made(device)?,
-            limits: Kept::new("layer limits", Memory::Device),
-            layers: Kept::new("layer counts", Memory::Device),
-            work_host: device.buffer("layer work, host", 1, Memory::Readback)?,
-            told: Told::new("layer counts, host"),
-            dispatches: Kept::new("layer dispatches", Memory::Device),
-            last_layers: 0,
-        })
+        Ok(Self::new(device)?)
     }
 }
 
@@ -223,8 +217,7 @@ impl LayerPeeler {
         let distance = image.distance;
         let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance };
         let run = Run::new(images.deliver_dispatch(image)).variant(blend_variant(job.counted));
-        recorder.run(&blend, push, &run)?;
-        Ok(())
+        Ok(recorder.run(&blend, push, &run)?)
     }
 }
 

@@ -7,9 +7,9 @@ mod engine;
 
 pub(crate) use engine::{PointsEngine, pass_group};
 
-use super::Error;
 use super::engine::Work;
 use super::opaque::{NearestSplat, Opaque};
+use super::{Error, PixelsGroup};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
@@ -31,19 +31,9 @@ pass! {
         limits: Read<u32>,
         nearest: ReadWrite<u64>,
     }
-}
 
-pass! {
     /// Finds the depth of `points/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth" {
-        places: Shared<PlacesGroup>,
-        normals: Read<[f32; 4]>,
-        limits: Read<u32>,
-        nearest: ReadWrite<NearestSplat>,
-    }
-}
-
-pass! {
+    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth",
     /// Finds the smallest index at the depth of `points/nearest-depth`.
     pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest" with "nearest_id" {
         places: Shared<PlacesGroup>,
@@ -51,9 +41,7 @@ pass! {
         limits: Read<u32>,
         nearest: ReadWrite<NearestSplat>,
     }
-}
 
-pass! {
     /// Turns the index of the nearest point of each pixel into color, shaded only here, and depth.
     pub Resolve(CountPush) = "points/resolve" {
         camera: Uniform<View>,
@@ -62,8 +50,7 @@ pass! {
         point_colors: Parts<[f32; 4]>,
         normals: Parts<[f32; 4]>,
         nearest: Read<[u32; 2]>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }
 
@@ -112,8 +99,7 @@ impl Opaque {
             point_colors: cut.slices(&cloud.point_colors),
             normals: cut.slices(&cloud.normals),
             nearest: nearest.cast(),
-            image: target.image(),
-            depths: target.depths(),
+            into: target.pixels(),
         };
         let push = CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
@@ -134,11 +120,6 @@ pub(super) fn record_nearest<'a>(
 ) -> Result<(), Error> {
     let cull = choice.cull && cloud.has_normals();
     let chunks = || cloud.chunks().enumerate();
-    let push = |chunk: usize, (first, count): (u64, u64)| PointsPush {
-        count: count as u32,
-        chunk: chunk as u32,
-        first: first as u32,
-    };
     let run = |chunk: usize, (_, count): (u64, u64)| {
         let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
         let dispatch = indirect.unwrap_or(points_dispatch(count));
@@ -152,24 +133,20 @@ pub(super) fn record_nearest<'a>(
         (places, normals, limits)
     };
     // All depths come before any index.
+    macro_rules! record {
+        ($pass:ident, $nearest:expr) => {
+            for (chunk, range) in chunks() {
+                let (places, normals, limits) = bound(range);
+                let pass = $pass { places, normals, limits, nearest: $nearest };
+                recorder.run(&pass, PointsPush::new(chunk, range), &run(chunk, range))?;
+            }
+        };
+    }
     if wide {
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(
-                &Nearest { places, normals, limits, nearest: nearest.cast() },
-                push(chunk, range),
-                &run(chunk, range),
-            )?;
-        }
+        record!(Nearest, nearest.cast());
     } else {
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(&NearestDepth { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
-        }
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(&NearestId { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
-        }
+        record!(NearestDepth, nearest);
+        record!(NearestId, nearest);
     }
     Ok(())
 }

@@ -84,7 +84,7 @@ impl Renderer {
             device: device.clone(),
             buffers: Buffers::new(device)?,
             target: Target::new(),
-            eye_dome: EyeDomeLighting::new(),
+            eye_dome: EyeDomeLighting::default(),
             foresight: Foresight::default(),
             kind: None,
             submitted: Duration::ZERO,

@@ -7,6 +7,7 @@ mod spheres;
 
 pub(crate) use engine::{ExpressEngine, Solids, SpheresEngine};
 pub(crate) use explain::{disc_group, sphere_group};
+pub(super) use spheres::record_carry;
 pub use spheres::*;
 
 use crate::gpu::shader::Shader;

@@ -7,7 +7,7 @@ mod engine;
 
 pub(crate) use engine::SortedEngine;
 
-use super::{Error, Frame, Target};
+use super::{Error, Frame, PixelsGroup, Target};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Recorder, Variant};
 use crate::passes::bin::{self, Binned, Bins, OneRun, TileWalk, TiledGroup};
@@ -17,9 +17,10 @@ use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `sorted/blend`; the shader explains the members.
+    /// Push constants of `sorted/blend`.
     pub struct BlendPush {
         walk: TileWalk,
+        // Largest opacity, and largest color component, background included: bounds of the splats behind.
         max_opacity: f32,
         max_color: f32,
     }
@@ -30,8 +31,7 @@ pass! {
     /// keeps pixels in registers. A run takes 2048 splats; runs are joined.
     pub Blend(BlendPush) = "sorted/blend" {
         tiles: Shared<TiledGroup>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }
 
@@ -45,7 +45,7 @@ fn record_blend<'a>(
     target: &'a Target,
 ) -> Result<(), Error> {
     let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
-    let blend = Blend { tiles, image: target.image(), depths: target.depths() };
+    let blend = Blend { tiles, into: target.pixels() };
     let (stop, max_color) = compose::stop(frame.stop, frame.color, max_color);
     let shape = compose::variant(binned.cut(), raster.footprint, falloff);
     let push = |walk| BlendPush { walk, max_opacity: raster.cloud.max_opacity(), max_color };

@@ -25,13 +25,13 @@ use crate::passes::compose::{self, Cut};
 use crate::passes::project::TILED;
 use crate::passes::raster::CountPush;
 use crate::scene::Falloff;
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of the first two passes; shaders/shared/splats.wgsl explains the members.
+    /// Push constants of the first two passes.
     pub struct SplatsPush {
         walk: TileWalk,
-        blend_depth: f32,
+        blend_depth: f32, // Fragments up to so many radii behind the nearest are blended with it.
     }
 }
 
@@ -44,9 +44,7 @@ pass! {
         limits: ReadWrite<f32>,
         depths: ReadWrite<f32>,
     }
-}
 
-pass! {
     /// Visits the same splats again, and sums w c and w of the fragments that are not hidden, w = exp(−2ρ²).
     pub Attributes(SplatsPush) = "splats/attributes" {
         tiles: Shared<TiledGroup>,
@@ -55,9 +53,7 @@ pass! {
         image: ReadWrite<[f32; 4]>,
         excess: ReadWrite<[f32; 4]>,
     }
-}
 
-pass! {
     /// Turns the sums of each pixel into color, and sets A = 1 where there are any.
     pub Normalize(CountPush) = "splats/normalize" {
         image: ReadWrite<[f32; 4]>,
@@ -82,18 +78,11 @@ pub struct WindowJob<'a> {
     pub layer: Option<Slice<'a, f32>>,
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Splatter {
-    limits: Kept<f32>,
-    excess: Kept<[f32; 4]>,
-}
-
-impl Default for Splatter {
-    fn default() -> Self {
-        Self {
-            limits: Kept::new("limits of depth", Memory::Device),
-            excess: Kept::new("excess of sums", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Splatter {
+        limits: Kept<f32> = Kept::new("limits of depth", Memory::Device),
+        excess: Kept<[f32; 4]> = Kept::new("excess of sums", Memory::Device),
     }
 }
 
@@ -158,8 +147,7 @@ impl Splatter {
         binned.record_runs(recorder, &attributes, runs, push, attributed)?;
         let pixels = bands::pixels(raster.window);
         let push = CountPush { count: pixels as u32 };
-        recorder.run(&Normalize { image }, push, &Run::new(Dispatch::Invocations(pixels)))?;
-        Ok(())
+        Ok(recorder.run(&Normalize { image }, push, &Run::new(Dispatch::Invocations(pixels)))?)
     }
 }
 

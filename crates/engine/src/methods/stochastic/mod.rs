@@ -27,21 +27,19 @@ use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins};
 use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
-use crate::{choices, gpu_struct, pass};
+use crate::{choices, fields, gpu_struct, pass};
 
 /// Samples of the first round where an error is asked for: the spread of four strata tells how many it takes.
 pub const FIRST_SAMPLES: u32 = 16;
 
 gpu_struct! {
-    /// Push constants of `stochastic/gather`; the shader explains the members.
+    /// Push constants of `stochastic/gather`.
     pub struct GatherPush {
         pixels: u32,
-        before: u32,
+        before: u32, // Samples of the strata before, and those to take from the run's first one on.
         left: u32,
     }
-}
 
-gpu_struct! {
     /// Push constants of `stochastic/resolve`: pixels of the window, and samples of each.
     pub struct ResolvePush {
         pixels: u32,
@@ -57,9 +55,7 @@ pass! {
         image: ReadWrite<[f32; 4]>,
         spread: ReadWrite<[f32; 4]>,
     }
-}
 
-pass! {
     /// Turns the sums of each pixel into color, A and standard error.
     pub Resolve(ResolvePush) = "stochastic/resolve" {
         exact: Read<f32>,
@@ -212,28 +208,16 @@ impl WindowJob<'_> {
     }
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Sampler {
-    keys: Kept<[u32; 4]>,
-    indices: Kept<[u32; 4]>,
-    sums: Kept<[f32; 4]>,
-    exact: Kept<f32>,
-    spread: Kept<[f32; 4]>,
-    told: Told<[f32; 4]>,
-    attachments: hardware::Attachments,
-}
-
-impl Default for Sampler {
-    fn default() -> Self {
-        Self {
-            keys: Kept::new("sample depths", Memory::Device),
-            indices: Kept::new("sample splats", Memory::Device),
-            sums: Kept::new("sample sums", Memory::Device),
-            exact: Kept::new("exact alpha", Memory::Device),
-            spread: Kept::new("sample spread", Memory::Device),
-            told: Told::new("sample spread, host"),
-            attachments: hardware::Attachments::default(),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Sampler {
+        keys: Kept<[u32; 4]> = Kept::new("sample depths", Memory::Device),
+        indices: Kept<[u32; 4]> = Kept::new("sample splats", Memory::Device),
+        sums: Kept<[f32; 4]> = Kept::new("sample sums", Memory::Device),
+        exact: Kept<f32> = Kept::new("exact alpha", Memory::Device),
+        spread: Kept<[f32; 4]> = Kept::new("sample spread", Memory::Device),
+        told: Told<[f32; 4]> = Told::new("sample spread, host"),
+        attachments: hardware::Attachments = hardware::Attachments::default(),
     }
 }
 
@@ -396,8 +380,7 @@ impl Sampler {
         let pass = Gather { sums: self.sums.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = GatherPush { pixels: pixels as u32, before: batch.before, left: batch.left };
         let variant = gather_variant(kind, batch.strata);
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?;
-        Ok(())
+        Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?)
     }
 
     fn record_resolve<'a>(
@@ -410,8 +393,7 @@ impl Sampler {
         let pass = Resolve { exact: self.exact.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = ResolvePush { pixels: pixels as u32, samples };
         let variant = resolve_variant(kind);
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?;
-        Ok(())
+        Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?)
     }
 }
 

@@ -11,13 +11,13 @@ use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of both passes; shaders/shared/stochastic.wgsl explains the members.
+    /// Push constants of both passes.
     pub struct StochasticPush {
         walk: TileWalk,
-        pixels: u32,
-        before: u32,
+        pixels: u32, // Pixels of the window.
+        before: u32, // Samples of the strata before this run's, and those to take from its first one on.
         left: u32,
-        key_low: u32,
+        key_low: u32, // The random numbers' key for the run's first two strata.
         key_high: u32,
     }
 }
@@ -31,9 +31,7 @@ pass! {
         held_indices: ReadWrite<[u32; 4]>,
         ids: Read<u32>,
     }
-}
 
-pass! {
     /// Visits the splats of `stochastic/visibility` again, and sums α c and α over the samples where each is visible.
     /// With the first strata it also finds the exact A.
     pub Accumulate(StochasticPush) = "stochastic/accumulate" {

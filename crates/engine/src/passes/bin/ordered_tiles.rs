@@ -48,10 +48,9 @@ impl<'a> OrderedTiles<'a> {
     }
 }
 
-/// Returns the variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a
-/// run that goes on from what earlier ones left.
-pub(crate) fn fold_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
-    blocks(shape, SEGMENT, lanes).with("LATER", u32::from(later))
+/// Returns the variant of stages that go through tiles with whole splats, from that of shape and falloff.
+pub(crate) fn fold_variant(shape: Variant, run: OneRun) -> Variant {
+    blocks(shape, SEGMENT, run.lanes).with("LATER", u32::from(run.later))
 }
 
 /// Returns the variant of stages that go through each tile region by region (shaders/shared/region_fold.wgsl), like
@@ -67,7 +66,7 @@ pub(crate) fn region_variant(shape: Variant, run: OneRun) -> Variant {
 /// Returns the same where each block of a tile has a subgroup of its own ([`Binned::over_blocks`]): for stages that
 /// hold much for each pixel.
 pub(crate) fn fold_blocks_variant(shape: Variant, run: OneRun) -> Variant {
-    let mut variant = fold_variant(shape, run.later, run.lanes).with("SHARED", BLOCKS);
+    let mut variant = fold_variant(shape, run).with("SHARED", BLOCKS);
     for (_, count) in &mut variant.counts {
         *count /= BLOCKS;
     }

@@ -16,6 +16,11 @@ pub(crate) struct OneRun {
 }
 
 impl OneRun {
+    /// Returns a run by its number among so many.
+    pub fn new(number: u32, of: u32, lanes: Lanes) -> Self {
+        Self { later: number > 0, kept: of > 1, lanes }
+    }
+
     /// Returns a variant of stages that leave their state between runs, from one of [`super::region_variant`] or
     /// [`super::fold_blocks_variant`].
     pub fn keeping(self, variant: Variant) -> Variant {
@@ -35,7 +40,7 @@ impl Binned {
         variant: impl Fn(OneRun) -> Variant,
     ) -> Result<(), Error> {
         (0..runs).try_for_each(|number| {
-            let run = OneRun { later: number > 0, kept: runs > 1, lanes: self.lanes() };
+            let run = OneRun::new(number, runs, self.lanes());
             recorder.run(pass, push(self.walk(number)), &Run::new(self.over_blocks()).variant(variant(run)))
         })
     }

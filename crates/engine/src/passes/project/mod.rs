@@ -76,7 +76,7 @@ impl Stats {
 gpu_struct! {
     /// Push constants: points of the chunk, and its number.
     pub struct ProjectPush {
-        count: u32,
+        count: u32, // Points of the chunk, and its number.
         chunk: u32,
     }
 }
@@ -203,9 +203,16 @@ group! {
 gpu_struct! {
     /// Push constants: points of the chunk, its number, and the index of its first point among all.
     pub struct PointsPush {
-        count: u32,
+        count: u32, // Points of the chunk, its number, and the index of its first point among all.
         chunk: u32,
         first: u32,
+    }
+}
+
+impl PointsPush {
+    /// Creates those of a chunk with so many points from the first one.
+    pub fn new(chunk: usize, (first, count): (u64, u64)) -> Self {
+        Self { count: count as u32, chunk: chunk as u32, first: first as u32 }
     }
 }
 

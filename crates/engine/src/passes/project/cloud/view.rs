@@ -10,7 +10,7 @@ use crate::gpu_struct;
 use crate::scene::{DiscShape, GaussianSettings, Light};
 
 gpu_struct! {
-    /// The camera and the part of the image in work; shaders/shared/view.wgsl explains the members.
+    /// The camera and the part of the image in work.
     pub struct View {
         right: [f32; 4],
         right_lo: [f32; 4],
