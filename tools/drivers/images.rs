@@ -117,8 +117,7 @@ fn outcome(path: &Path, value: &Value) -> Result<Outcome, String> {
         depth_median: None,
         depth_mean: None,
         fragments: counted.then(|| counts.to_vec()),
-        layers: None,
-        stderr: None,
+        ..Image::default()
     };
     Ok(Outcome::Image(Box::new(image), Met { longest: u64::from(number("longest")?) }))
 }
@@ -138,8 +137,7 @@ mod tests {
             depth_median: None,
             depth_mean: None,
             fragments: Some(vec![7, 0]),
-            layers: None,
-            stderr: None,
+            ..Image::default()
         };
         write(&folder.path().join("0"), &image).expect("written");
         let outcomes = json!([

@@ -177,11 +177,7 @@ mod tests {
             height: 100,
             rgba: (0..1000).map(|i| [if i < 3 { red } else { 0.5 }, 0.25, 0.0, 1.0]).collect(),
             depth: vec![1.0; 1000],
-            depth_median: None,
-            depth_mean: None,
-            fragments: None,
-            layers: None,
-            stderr: None,
+            ..Image::default()
         }
     }
 

@@ -8,7 +8,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Factors, Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::ensembles;
+use pellucid_engine::prepare::{Arranged, ensembles};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{ColorSpace, Method, Shading};
 use rand::{RngExt, SeedableRng};
@@ -36,7 +36,7 @@ impl Stage {
     /// Deals a cloud and puts it on the device.
     pub fn upload(&self, points: Points) -> Result<DeviceCloud> {
         let dealt = ensembles::deal(vec![points], self.seed, &Progress::hidden());
-        Ok(self.renderer.upload_dealt(&dealt)?)
+        Ok(self.renderer.upload(&Arranged::Dealt(dealt))?)
     }
 
     /// The square from (−½, −½, 0) to (½, ½, 0), or what is around it, from the front: `height` world units on `side`

@@ -94,7 +94,7 @@ fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: 
     let Fitted { arranged, case } = fitted;
     let (scene, target) = (base.name, case.target);
     let begin = Instant::now();
-    let mut cloud = Renderer::new(device)?.upload_arranged(arranged)?;
+    let mut cloud = Renderer::new(device)?.upload(arranged)?;
     let subject = Subject { arranged, frame: base.frame, background: base.background, only: None };
     let progress = Progress::hidden();
     let mut trials = Trials::open(device, &mut cloud, &subject, true, &progress)?;

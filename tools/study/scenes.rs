@@ -200,7 +200,7 @@ impl Base {
     ) -> Result<(Fitted, Lists)> {
         let opacity = self.opacity(target);
         let points = Arc::new(scaled(&points, factor as f32, opacity.map(|opacity| opacity as f32)));
-        let mut cloud = renderer.upload(&points)?;
+        let mut cloud = renderer.upload(&*points)?;
         let rendered = renderer.render(&mut cloud, &self.frame)?;
         let lists = Lists::of(&rendered);
         renderer.recycle(rendered.image);

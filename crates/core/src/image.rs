@@ -8,7 +8,7 @@ pub const MAX_SIDE: u32 = 16_384;
 /// A method's result: premultiplied linear color without background, coverage and depth, row 0 at the top.
 ///
 /// With `color = "encoded"` the colors are encoded (sRGB) values; the writer of the file decodes or encodes them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Image {
     /// Width in pixels.
     pub width: u32,

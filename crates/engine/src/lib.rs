@@ -57,6 +57,7 @@
 
 pub mod choices;
 pub mod error;
+mod fields;
 pub mod identity;
 pub mod methods;
 pub mod passes;
@@ -67,6 +68,7 @@ pub mod profile;
 mod shaders;
 
 pub use error::{Error, Result};
+pub(crate) use fields::fields;
 pub use pellucid_core::{atomic, camera, cloud, color, image, light, metrics, points, progress, random};
 pub use pellucid_gpu as gpu;
 pub use pellucid_gpu::{gpu_struct, group};

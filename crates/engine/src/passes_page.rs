@@ -88,19 +88,24 @@ struct Declared {
 }
 
 impl Declared {
-    /// Reads one from the source behind `pass! {`.
-    fn read(source: &str) -> Self {
-        let mut comment = String::new();
-        for line in source.lines().map(str::trim) {
+    /// Reads those of the source behind `pass! {`.
+    fn read(source: &str) -> Vec<Self> {
+        let block = source.split("\n}\n").next().unwrap_or_default();
+        let (mut found, mut comment) = (Vec::new(), String::new());
+        for line in block.lines().map(str::trim) {
             if let Some(text) = line.strip_prefix("///") {
                 comment += text;
                 continue;
             }
-            let name = line.split('"').nth(1).unwrap_or_else(|| panic!("{line}: no name"));
-            let stem = line.split_once(" in \"").and_then(|(_, rest)| rest.split('"').next()).unwrap_or(name);
-            return Self { name: name.to_owned(), stem: stem.to_owned(), comment };
+            let comment = std::mem::take(&mut comment);
+            if line.contains(" = \"") {
+                let name = line.split('"').nth(1).unwrap_or_else(|| panic!("{line}: no name"));
+                let stem = line.split_once(" in \"").and_then(|(_, rest)| rest.split('"').next()).unwrap_or(name);
+                found.push(Self { name: name.to_owned(), stem: stem.to_owned(), comment });
+            }
         }
-        panic!("{source}: nothing is declared")
+        assert!(!found.is_empty(), "{source}: nothing is declared");
+        found
     }
 
     /// Returns how it reaches the device.
@@ -137,7 +142,7 @@ fn read_folder(folder: &Path, found: &mut String) {
 
 /// Every pass that the sources declare.
 fn declared(sources: &str) -> Vec<Declared> {
-    sources.split("\npass! {\n").skip(1).map(Declared::read).collect()
+    sources.split("\npass! {\n").skip(1).flat_map(Declared::read).collect()
 }
 
 /// The first sentence of a comment, in one line.

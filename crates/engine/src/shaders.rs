@@ -4,11 +4,7 @@ use include_dir::include_dir;
 
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
-use crate::methods::encode;
-use crate::methods::{
-    abuffer, approximate, edl, ellipsoids, fading, image_space, linked_list, one_layer, opaque, peel, peel_layers,
-    points, shadows, soft, sorted, spbr, splats, stochastic,
-};
+use crate::methods::{FAMILIES, abuffer, image_space, opaque, soft, spbr};
 use crate::passes::{bin, compose, project, radix, scan, tiles};
 
 /// The WGSL files under shaders/, and the constants that stand in Rust alone.
@@ -24,7 +20,6 @@ pub static SHADERS: Sources = Sources {
         &scan::CONSTANTS,
         &project::CONSTANTS,
         &soft::CONSTANTS,
-        &sorted::CONSTANTS,
         &spbr::CONSTANTS,
         &tiles::CONSTANTS,
     ],
@@ -43,31 +38,5 @@ pub fn key_without_numbers(variant: &Variant) -> String {
 
 /// Returns every pass with all its variants, as each stage lists them.
 pub fn shaders() -> Vec<Shader> {
-    let stages = [
-        bin::shaders,
-        project::shaders,
-        radix::shaders,
-        scan::shaders,
-        tiles::shaders,
-        abuffer::shaders,
-        approximate::shaders,
-        edl::shaders,
-        ellipsoids::shaders,
-        encode::shaders,
-        fading::shaders,
-        image_space::shaders,
-        linked_list::shaders,
-        one_layer::shaders,
-        opaque::shaders,
-        peel::shaders,
-        peel_layers::shaders,
-        points::shaders,
-        shadows::shaders,
-        soft::shaders,
-        sorted::shaders,
-        spbr::shaders,
-        splats::shaders,
-        stochastic::shaders,
-    ];
-    stages.iter().flat_map(|stage| stage()).collect()
+    FAMILIES.iter().flat_map(|family| (family.shaders)()).collect()
 }

@@ -27,12 +27,12 @@ gpu_struct! {
     /// Push constants: how many words, the first of each binding, and which of them count.
     pub struct AgreePush {
         count: u32,
-        stored_first: u32,
+        stored_first: u32, // Where the words of each binding begin.
         ends_first: u32,
         counts_first: u32,
-        mode: u32,
+        mode: u32, // Below BELOW: the same as ends; BELOW: as much below ends as counts says; above: value.
         value: u32,
-        stride: u32,
+        stride: u32, // Words from one that counts to the next.
     }
 }
 

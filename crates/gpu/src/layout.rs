@@ -20,6 +20,8 @@ pub enum Shape {
     },
     /// A struct.
     Struct {
+        /// Name of the Rust type, and of the WGSL one where it is a member of push constants.
+        name: &'static str,
         /// Size of the Rust type in bytes, equal to the WGSL stride.
         size: usize,
         /// The members in order.
@@ -38,12 +40,22 @@ pub struct Member {
     pub shape: Shape,
 }
 
+impl Shape {
+    /// Returns the type as WGSL writes it.
+    pub(crate) fn wgsl(&self) -> String {
+        match self {
+            Self::Plain(name) | Self::Struct { name, .. } => (*name).to_owned(),
+            Self::Array { element, count, .. } => format!("array<{}, {count}>", element.wgsl()),
+        }
+    }
+}
+
 impl fmt::Display for Shape {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Plain(name) => f.write_str(name),
             Self::Array { element, count, stride } => f.write_str(&array_text(&element.to_string(), *count, *stride)),
-            Self::Struct { size, members } => {
+            Self::Struct { size, members, .. } => {
                 let members = members.iter().map(|m| (m.name, m.offset, m.shape.to_string()));
                 f.write_str(&struct_text(members, *size))
             }
@@ -97,20 +109,21 @@ impl GpuType for [u32; 3] {
     }
 }
 
-/// Declares a struct that lies in a buffer, without padding. Its members are types that lie there themselves.
+/// Declares structs that lie in a buffer, without padding. Their members are types that lie there themselves.
 #[macro_export]
 macro_rules! gpu_struct {
-    ($(#[$doc:meta])* $vis:vis struct $name:ident { $($(#[$member_doc:meta])* $member:ident : $type:ty),* $(,)? }) => {
+    ($($(#[$doc:meta])* $vis:vis struct $name:ident { $($(#[$member_doc:meta])* $member:ident : $type:ty),* $(,)? })*) => {$(
         $(#[$doc])*
         #[repr(C)]
         #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
-        #[allow(missing_docs, reason = "the shader explains the members")]
+        #[allow(missing_docs, reason = "comments beside them, or the shader, explain the members")]
         $vis struct $name {
             $($(#[$member_doc])* pub $member: $type),*
         }
         impl $crate::GpuType for $name {
             fn shape() -> $crate::Shape {
                 $crate::Shape::Struct {
+                    name: stringify!($name),
                     size: std::mem::size_of::<$name>(),
                     members: vec![$($crate::layout::Member {
                         name: stringify!($member),
@@ -120,5 +133,5 @@ macro_rules! gpu_struct {
                 }
             }
         }
-    };
+    )*};
 }

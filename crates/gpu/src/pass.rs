@@ -94,11 +94,12 @@ pub trait Group {
 /// Parts that a buffer of unlimited length is bound in, as bindings `name_0` to `name_3`.
 pub const PARTS: usize = 4;
 
-/// Declares a pass: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; then the
-/// name of the timing label, the shader file if it is called otherwise, the shared piece that it takes, push constants,
-/// bindings. A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`,
-/// `name_1`, …, `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings
-/// of a [`Group`].
+/// Declares passes: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; then for
+/// each pass the name of the timing label, the shader file if it is called otherwise, the shared piece that it takes,
+/// push constants, bindings. Passes with the same bindings stand before them one after another, with commas between. A
+/// field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …,
+/// `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings of a
+/// [`Group`].
 ///
 /// ```text
 /// pass! {
@@ -111,19 +112,34 @@ pub const PARTS: usize = 4;
 /// ```
 #[macro_export]
 macro_rules! pass {
-    (@from $sources:path; $(#[$doc:meta])* $vis:vis $name:ident $(($push:ty))? = $label:literal $(in $shader:literal)? $(with $piece:literal)? {
+    (@from $sources:path; $(
+        $(
+            $(#[$doc:meta])* $vis:vis $name:ident $(($push:ty))? =
+                $label:literal $(in $shader:literal)? $(with $piece:literal)?
+        ),+
+        { $($fields:tt)* }
+    )*) => {
+        $($crate::pass! {
+            @each $sources; { $($fields)* }
+            $([$(#[$doc])* $vis $name [$crate::pass!(@push $($push)?)] [$label] [$($shader,)? $label] [$($piece)?]])+
+        })*
+    };
+    (@each $sources:path; $fields:tt $([$($head:tt)*])+) => { $($crate::pass! { @one $sources; $($head)* $fields })+ };
+    (@one $sources:path; $(#[$doc:meta])* $vis:vis $name:ident
+        [$push:ty] [$label:literal] [$($shader:literal),+] [$($piece:literal)?]
+    {
         $($(#[$field_doc:meta])* $field:ident : $access:ident<$type:ty>),* $(,)?
     }) => {
         $(#[$doc])*
-        #[allow(missing_docs, reason = "the shader explains the members")]
+        #[allow(missing_docs, reason = "comments beside them, or the shader, explain the members")]
         $vis struct $name<'a> {
             $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }
         impl $crate::Pass for $name<'_> {
             const NAME: &'static str = $label;
-            const SHADER: &'static str = $crate::pass!(@first $($shader,)? $label);
+            const SHADER: &'static str = [$($shader),+][0];
             const PIECE: Option<&'static str> = $crate::pass!(@option $($piece)?);
-            type Push = $crate::pass!(@push $($push)?);
+            type Push = $push;
             fn sources() -> &'static $crate::shader::Sources {
                 &$sources
             }
@@ -142,7 +158,6 @@ macro_rules! pass {
     (@option $value:literal) => { Some($value) };
     (@push) => { () };
     (@push $push:ty) => { $push };
-    (@first $first:literal $(, $rest:literal)*) => { $first };
     (@type Texture $life:lifetime, $type:ty) => { &$life $crate::Attachment };
     (@bind $field:ident, Texture, $type:ty) => {
         vec![$crate::Binding {
@@ -179,15 +194,16 @@ macro_rules! pass {
     (@resource $slice:expr, $access:ident, $type:ty) => { vec![$slice.raw().into()] };
 }
 
-/// Declares bindings that several passes share: a struct of buffers, and the type that stands for it in `Shared<…>`.
+/// Declares bindings that several passes share: for each group a struct of buffers, and the type that stands for it in
+/// `Shared<…>`.
 #[macro_export]
 macro_rules! group {
-    ($(#[$doc:meta])* $vis:vis $name:ident as $group:ident {
+    ($($(#[$doc:meta])* $vis:vis $name:ident as $group:ident {
         $($(#[$field_doc:meta])* $field:ident : $access:ident<$type:ty>),* $(,)?
-    }) => {
+    })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        #[allow(missing_docs, reason = "the shader explains the members")]
+        #[allow(missing_docs, reason = "comments beside them, or the shader, explain the members")]
         $vis struct $name<'a> {
             $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }
@@ -202,5 +218,5 @@ macro_rules! group {
                 [$($crate::pass!(@resource buffers.$field, $access, $type)),*].concat()
             }
         }
-    };
+    )*};
 }

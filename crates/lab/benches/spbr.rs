@@ -30,6 +30,7 @@ use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting}
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
 use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
 use pellucid_engine::scene::{ColorSpace, Method, Shading, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
@@ -57,7 +58,7 @@ fn run(count: usize) -> Result<()> {
 
     let dealt = dealt(count);
     let mut renderer = Renderer::new(&device)?;
-    let mut cloud = renderer.upload_dealt(&dealt)?;
+    let mut cloud = renderer.upload(&Arranged::Dealt(dealt))?;
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     table.set_header(["method", "camera", "L", "draw ms", "Mpoints/s", "/ hardware", "frame ms", "rest"]);

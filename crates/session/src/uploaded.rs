@@ -1,10 +1,9 @@
 //! The points of a scene on the device, and their way to those of a changed scene.
 
 use pellucid_engine::Result;
-use pellucid_engine::methods::{self, Renderer};
+use pellucid_engine::methods::{self, Renderer, Upload};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Changes;
-use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Detail, Lighting, Scene};
 
@@ -28,10 +27,9 @@ impl Uploaded {
     /// # Errors
     /// Returns an error if the device has no room for the points.
     pub fn new(renderer: &Renderer, assembled: &Assembled, detail: &Detail, by_windows: bool) -> Result<Self> {
-        let cloud = match assembled.arranged() {
-            Arranged::Canonical(points) if by_windows => renderer.supply_held(points)?,
-            arranged => renderer.upload_for(detail, arranged, assembled.shadow_texture.as_ref())?,
-        };
+        let by_windows = by_windows || !detail.is_whole();
+        let shadows = assembled.shadow_texture.as_ref();
+        let cloud = renderer.upload(Upload { by_windows, shadows, ..assembled.arranged().into() })?;
         Ok(Self { cloud, pending: Changes::default(), lighting: Some(assembled.lighting()) })
     }
 
@@ -41,7 +39,7 @@ impl Uploaded {
     /// Returns an error if memory is exhausted.
     pub fn allow_detail(&mut self, renderer: &Renderer, assembled: &Assembled, detail: &Detail) -> Result<()> {
         if !detail.is_whole() && self.cloud.supply().is_none() {
-            self.cloud = renderer.upload_for(detail, assembled.arranged(), None)?;
+            self.cloud = renderer.upload(Upload::with_detail(assembled.arranged(), detail))?;
         }
         Ok(())
     }
@@ -68,7 +66,7 @@ impl Uploaded {
         let arranged = assembled.arranged();
         if self.cloud.supply().is_some() && self.pending.any() {
             // Points that come some at a time are those of the moment when they were brought.
-            self.cloud = renderer.upload_for(&scene.detail, arranged, None)?;
+            self.cloud = renderer.upload(Upload::with_detail(arranged, &scene.detail))?;
         } else {
             self.cloud.follow(renderer.device(), arranged, self.pending).map_err(methods::Error::from)?;
         }
@@ -79,7 +77,7 @@ impl Uploaded {
         if self.lighting != lighting {
             // Other shadows are cast when a frame asks for them.
             if let Some(texture) = assembled.stored_shadows(sources, scene, seed) {
-                renderer.put_lit(&mut self.cloud, arranged, &texture)?;
+                self.cloud.put_lit(renderer.device(), arranged, &texture).map_err(methods::Error::from)?;
             }
             self.lighting = lighting;
         }

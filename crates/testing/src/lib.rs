@@ -15,7 +15,7 @@ pub use devices::{
     alone, has_device, with_device, with_device_that_binds, with_device_that_prefers, with_new_device, with_only_device,
 };
 pub use pellucid_testing_host::*;
-pub use rendering::{render, rendered, rendered_by_both_atomics};
+pub use rendering::{by_windows, render, rendered, rendered_by_both_atomics};
 
 /// True if a device is llvmpipe, for which the tests know the results to the last case.
 pub fn is_llvmpipe(device: &Device) -> bool {

@@ -1,9 +1,13 @@
 //! Frames on a fresh renderer.
 
+use std::sync::Arc;
+
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Frame, Rendered, Renderer};
+use pellucid_engine::methods::{Frame, Rendered, Renderer, Upload};
+use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 
 use crate::bits;
 
@@ -17,6 +21,12 @@ pub fn rendered(device: &Device, points: &Points, frame: &Frame) -> Rendered {
 /// Renders on a fresh renderer; the image alone.
 pub fn render(device: &Device, points: &Points, frame: &Frame) -> Image {
     rendered(device, points, frame).image
+}
+
+/// Points in memory that come to the device window by window.
+pub fn by_windows(renderer: &Renderer, points: &Arc<Points>) -> DeviceCloud {
+    let arranged = Arranged::Canonical(Arc::clone(points));
+    renderer.upload(Upload { by_windows: true, ..(&arranged).into() }).expect("small buffers")
 }
 
 /// Renders with 64-bit atomics where the device has them, then with 32-bit ones, and asserts that the bytes are the

@@ -182,11 +182,7 @@ fn write_picture(path: &Path, width: u32, red: f32) {
         height: 2,
         rgba: vec![[0.0, 0.0, 0.0, 1.0]; pixels],
         depth: vec![1.0; pixels],
-        depth_median: None,
-        depth_mean: None,
-        fragments: None,
-        layers: None,
-        stderr: None,
+        ..Image::default()
     };
     image.rgba[1][0] = red;
     let options =

@@ -2,13 +2,8 @@
 // atomics meet. The table is zero before.
 #import classify
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let run = run_of(invocation_index(workgroup, groups, local));
+#main item {
+    let run = run_of(item);
     var found = count_classes(run);
     for (var c = 0u; c < CLASS_COUNT; c++) {
         if found[c] > 0u {

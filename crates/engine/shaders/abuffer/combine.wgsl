@@ -11,13 +11,7 @@
 @group(0) @binding(3) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> depths: array<f32>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.list_count) {
         return;
     }

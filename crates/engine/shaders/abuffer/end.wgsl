@@ -3,13 +3,7 @@
 // list. Reference: reference::abuffer::before_end.
 #import compose
 #import early_end
-#import long_list
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> lists: array<LongList>;
-@group(0) @binding(19) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(20) var<storage, read> fragments: array<vec2<u32>>;
+#import composed_lists
 @group(0) @binding(21) var<storage, read> partials: array<Partial>;
 @group(0) @binding(22) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(23) var<storage, read_write> depths: array<f32>;
@@ -30,13 +24,7 @@ fn part_before_end(run: ListRun, front: Composed, pixel: vec2<u32>) -> Composed 
     return sum;
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.list_count) {
         return;
     }

@@ -7,24 +7,15 @@ struct Lengths {
     in_long_lists: atomic<u32>,
 }
 
-struct Push {
-    count: u32,
-}
-
 @group(0) @binding(0) var<storage, read> counts: array<u32>;
 @group(0) @binding(1) var<storage, read_write> lengths: Lengths;
-var<immediate> push: Push;
+#push
 override RUN: u32 = 64u;
 // Lists of more fragments are long ones.
 override LONG: u32 = 256u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let start = invocation_index(workgroup, groups, local) * RUN;
+#main item {
+    let start = item * RUN;
     if start >= push.count {
         return;
     }

@@ -4,13 +4,8 @@
 
 @group(0) @binding(2) var<storage, read_write> pixels: array<u32>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let run = run_of(invocation_index(workgroup, groups, local));
+#main item {
+    let run = run_of(item);
     var next = count_classes(run);
     for (var c = 0u; c < CLASS_COUNT; c++) {
         if next[c] > 0u {

@@ -23,13 +23,8 @@ fn blend(front: Composed, fragment: vec2<u32>, present: bool, pixel: vec2<u32>) 
     return Composed(select(next.rgba, front.rgba, ended), select(next.key, front.key, ended));
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = class_pixel(invocation_index(workgroup, groups, local));
+#main item {
+    let p = class_pixel(item);
     if p == NOTHING {
         return;
     }

@@ -7,34 +7,18 @@
 #import long_list
 #import dispatch
 
-struct Push {
-    band_start: u32,
-    band_end: u32,
-    first_fragment: u32,
-    // Which part of each list: its splats from segment * TAKEN on.
-    segment: u32,
-    // Largest opacity, and largest color component, background included.
-    max_opacity: f32,
-    max_color: f32,
-}
-
 @group(0) @binding(17) var<storage, read> offsets: array<u32>;
 @group(0) @binding(18) var<storage, read> indices: array<u32>;
 @group(0) @binding(19) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(20) var<storage, read_write> depths: array<f32>;
-var<immediate> push: Push;
+#push
 
 override TAKEN: u32 = 1u;
 // Splats between two tests for an early stop.
 const LOOK = 16u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = push.band_start + invocation_index(workgroup, groups, local);
+#main item {
+    let p = push.band_start + item;
     if p >= push.band_end {
         return;
     }

@@ -3,11 +3,7 @@
 #import splat
 #import accumulate
 
-struct Push {
-    walk: TileWalk,
-}
-
-var<immediate> push: Push;
+#push
 
 fn add(before: State, f: Fragment) -> State {
     var state = before;

@@ -4,14 +4,7 @@
 #import splat
 #import accumulate
 
-struct Push {
-    walk: TileWalk,
-    // Fragments that are composed exactly, and the least opacity of one.
-    k: u32,
-    core_alpha_min: f32,
-}
-
-var<immediate> push: Push;
+#push
 
 fn add(before: State, f: Fragment) -> State {
     var state = before;

@@ -6,16 +6,9 @@
 #import rank
 #import tile_fold
 
-struct Push {
-    walk: TileWalk,
-    // Fragments that are composed exactly, and the least opacity of one.
-    k: u32,
-    core_alpha_min: f32,
-}
-
 // Rank of the last fragment that is composed; the least if none is.
 @group(0) @binding(23) var<storage, read_write> lasts: array<vec2<u32>>;
-var<immediate> push: Push;
+#push
 
 struct PixelState {
     state: State,

@@ -5,16 +5,9 @@
 #import tail
 #import moment_sums
 
-struct Push {
-    walk: TileWalk,
-    estimate: Estimate,
-    // The least opacity of a fragment that is composed exactly.
-    core_alpha_min: f32,
-}
-
 @group(0) @binding(20) var<storage, read> lasts: array<vec2<u32>>;
 @group(0) @binding(21) var<storage, read_write> known: array<vec2<f32>>;
-var<immediate> push: Push;
+#push
 
 fn begin(pixel: vec2<u32>) {
     begin_moments(pixel);

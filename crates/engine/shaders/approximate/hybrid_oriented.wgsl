@@ -8,17 +8,11 @@
 #import rank
 #import region_fold
 
-struct Push {
-    walk: TileWalk,
-    // The least opacity of a fragment that is composed exactly.
-    core_alpha_min: f32,
-}
-
 // Rank of the last fragment that earlier rounds composed.
 @group(0) @binding(23) var<storage, read_write> lasts: array<vec2<u32>>;
 // State that a run leaves to the next: that rank, and rank and color of each slot.
 @group(0) @binding(24) var<storage, read_write> slots: array<vec4<u32>>;
-var<immediate> push: Push;
+#push
 
 // 1: earlier rounds left a front in the image.
 override BEHIND: u32 = 0u;

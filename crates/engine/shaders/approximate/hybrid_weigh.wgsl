@@ -6,16 +6,9 @@
 #import tail
 #import moment_light
 
-struct Push {
-    walk: TileWalk,
-    estimate: Estimate,
-    // The least opacity of a fragment that is composed exactly.
-    core_alpha_min: f32,
-}
-
 @group(0) @binding(23) var<storage, read> lasts: array<vec2<u32>>;
 @group(0) @binding(24) var<storage, read> known: array<vec2<f32>>;
-var<immediate> push: Push;
+#push
 
 var<private> state: State;
 

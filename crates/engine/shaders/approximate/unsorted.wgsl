@@ -3,11 +3,7 @@
 #import splat
 #import accumulate
 
-struct Push {
-    walk: TileWalk,
-}
-
-var<immediate> push: Push;
+#push
 
 // The sum is that of premultiplied color and A.
 fn add(before: State, f: Fragment) -> State {

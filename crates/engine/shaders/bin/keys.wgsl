@@ -3,21 +3,12 @@
 #import splat
 #import dispatch
 
-struct Push {
-    // Points of the chunk, and the index of its first.
-    count: u32,
-    first: u32,
-    // The number subtracted from depth keys; the key of undrawn splats, less that number.
-    nearest: u32,
-    none: u32,
-}
-
 @group(0) @binding(0) var<storage, read> splat_depths: array<f32>;
 @group(0) @binding(1) var<storage, read> bounds: array<Bounds>;
 // Red, green, blue, and where in the files the point stood.
 @group(0) @binding(2) var<storage, read> points: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> records: array<vec2<u32>>;
-var<immediate> push: Push;
+#push
 
 override ORDER: u32 = 0u;
 
@@ -35,13 +26,7 @@ fn key(i: u32) -> u32 {
     return points[i].w;
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = invocation_index(workgroup, groups, local);
+#main i {
     if i >= push.count {
         return;
     }

@@ -4,13 +4,7 @@
 #import dispatch
 @group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let rank = invocation_index(workgroup, groups, local);
+#main rank {
     if rank >= push.count {
         return;
     }

@@ -2,13 +2,7 @@
 // already: they say in which of them that is, whose events are looked at once more. One invocation per list.
 // Reference: reference::gaussians::ellipsoid::median.
 #import ellipsoid_events
-#import long_list
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> lists: array<LongList>;
-@group(0) @binding(19) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(20) var<storage, read> fragments: array<vec2<u32>>;
+#import composed_lists
 @group(0) @binding(21) var<storage, read> sums: array<RunSums>;
 @group(0) @binding(22) var<storage, read> partials: array<Partial>;
 @group(0) @binding(23) var<storage, read_write> depths: array<f32>;
@@ -39,13 +33,7 @@ fn depth_within(run: ListRun, item: u32, front: vec4<f32>, pixel: vec2<u32>) -> 
     return composed_depth(NOTHING);
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.list_count) {
         return;
     }

@@ -3,26 +3,15 @@
 // where it is entered, or a surface. What is not there has the opacity NO_SAMPLE. One invocation per run.
 // Reference: reference::gaussians::ellipsoid.
 #import ellipsoid_events
-#import run_of_list
 #import sample
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read> sums: array<RunSums>;
 @group(0) @binding(21) var<storage, read_write> sample_colors: array<vec4<f32>>;
 // Where a sample begins and ends.
 @group(0) @binding(22) var<storage, read_write> sample_depths: array<vec2<f32>>;
 override BODIES: u32 = 0u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.run_count) {
         return;
     }

@@ -3,25 +3,14 @@
 #import long_list
 #import dispatch
 
-struct Push {
-    band_start: u32,
-    band_end: u32,
-    first_fragment: u32,
-}
-
 @group(0) @binding(0) var<storage, read> offsets: array<u32>;
 @group(0) @binding(1) var<storage, read_write> work: LongWork;
 @group(0) @binding(2) var<storage, read_write> runs: array<ListRun>;
 @group(0) @binding(3) var<storage, read_write> lists: array<LongList>;
-var<immediate> push: Push;
+#push
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = push.band_start + invocation_index(workgroup, groups, local);
+#main item {
+    let p = push.band_start + item;
     if p >= push.band_end {
         return;
     }

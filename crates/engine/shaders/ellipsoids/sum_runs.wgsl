@@ -1,21 +1,10 @@
 // ellipsoids/sum-runs: what the events of each run of a sorted list add to the sums over what is open. One invocation
 // per run. A list of one run has no use for its sum.
 #import ellipsoid_events
-#import run_of_list
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read_write> sums: array<RunSums>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.run_count) {
         return;
     }

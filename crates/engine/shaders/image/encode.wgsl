@@ -3,28 +3,7 @@
 // of the picture is `scale` rows of the image. Reference: output::to_byte.
 #import dispatch
 
-struct Push {
-    // Pixels of the rows.
-    count: u32,
-    // Their first row in the picture.
-    first_row: u32,
-    // Columns and rows of the picture.
-    width: u32,
-    height: u32,
-    // Columns and rows of the image.
-    image_width: u32,
-    image_height: u32,
-    scale: f32,
-    // Of the space that the image's colors have.
-    background_r: f32,
-    background_g: f32,
-    background_b: f32,
-    // 1 if the image's colors are encoded.
-    encoded: u32,
-    // 1 if blue comes first in memory.
-    blue_first: u32,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(0) var<storage, read> image: array<vec4<f32>>;
 // The least value of each byte; nothing reaches that of 256.
@@ -83,13 +62,7 @@ fn byte_of(value: f32) -> u32 {
     return byte;
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = invocation_index(workgroup, groups, local);
+#main p {
     if p >= push.count {
         return;
     }

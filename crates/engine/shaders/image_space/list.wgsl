@@ -6,25 +6,13 @@
 // Whose list it is: a filter's, or that of what has to be shaded (LIST_RESOLVE) or put into the window (LIST_DELIVER).
 override FILTER: u32 = 0u;
 
-struct Push {
-    // Columns and rows of tiles.
-    columns: u32,
-    rows: u32,
-    // The run before, where the filter ran already: what it left alone then, with all around, stays. Else 0.
-    before: u32,
-    // Whose dispatch this is.
-    slot: u32,
-    distance: f32,
-    threshold: f32,
-}
-
 @group(0) @binding(0) var<storage, read> tiles: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read_write> entries: array<vec2<u32>>;
 // Four words for each run: workgroups in x, y, z.
 @group(0) @binding(2) var<storage, read_write> arguments: array<atomic<u32>>;
 // Tiles that each filter had.
 @group(0) @binding(3) var<storage, read_write> totals: array<atomic<u32>>;
-var<immediate> push: Push;
+#push
 
 struct Around {
     low: f32,
@@ -50,13 +38,7 @@ fn is_listed(own: Tile, around: Around) -> bool {
     }
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let t = invocation_index(workgroup, groups, local);
+#main t {
     if t >= push.columns * push.rows {
         return;
     }

@@ -4,26 +4,13 @@
 #import dispatch
 #import peel_work
 
-struct Push {
-    // Columns of tiles.
-    columns: u32,
-    // Size of the rectangle in work, in pixels.
-    width: u32,
-    height: u32,
-}
-
 // Index and depth key.
 @group(0) @binding(0) var<storage, read> nearest: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read_write> tiles: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read_write> work: PeelWork;
-var<immediate> push: Push;
+#push
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     let size = vec2<u32>(push.width, push.height);
     let tile = workgroup_index(workgroup, groups);
     let corner = vec2<u32>(tile % push.columns, tile / push.columns) * TILE;

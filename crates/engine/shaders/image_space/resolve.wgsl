@@ -4,20 +4,12 @@
 #import tiled
 #import dispatch
 
-struct Push {
-    // Columns of tiles.
-    columns: u32,
-    // Size of the rectangle in work, in pixels.
-    width: u32,
-    height: u32,
-}
-
 // Index and depth key.
 @group(0) @binding(17) var<storage, read> nearest: array<vec2<u32>>;
 @group(0) @binding(18) var<storage, read> entries: array<vec2<u32>>;
 @group(0) @binding(19) var<storage, read_write> depths: array<f32>;
 @group(0) @binding(20) var<storage, read_write> colors: array<vec4<f32>>;
-var<immediate> push: Push;
+#push
 
 // 1: colors are premultiplied by the points' opacities; else they are opaque.
 override TRANSPARENT: u32 = 0u;
@@ -31,12 +23,7 @@ fn opacity_of(i: u32) -> f32 {
     return min(lo_at(i).w * view.opacity_factor, 1.0);
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let size = vec2<u32>(push.width, push.height);
     let tile = entries[workgroup_index(workgroup, groups)].x;

@@ -3,33 +3,19 @@
 // Reference: reference::abuffer::lists, after sorting.
 #import dispatch
 
-struct Push {
-    band_start: u32,
-    band_end: u32,
-    // The band's first fragment among the window's.
-    first_fragment: u32,
-    // Nodes of each list that earlier runs have written.
-    done: u32,
-}
-
 @group(0) @binding(0) var<storage, read> offsets: array<u32>;
 @group(0) @binding(1) var<storage, read_write> heads: array<u32>;
 @group(0) @binding(2) var<storage, read> nodes: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> links: array<u32>;
 @group(0) @binding(4) var<storage, read_write> fragments: array<vec2<u32>>;
-var<immediate> push: Push;
+#push
 override STEP: u32 = 1u;
 // 1: each head becomes the number of nodes that its list had, or one more where not all were gathered: for debug
 // builds.
 override COUNTED: u32 = 0u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = push.band_start + invocation_index(workgroup, groups, local);
+#main item {
+    let p = push.band_start + item;
     if p >= push.band_end {
         return;
     }

@@ -5,15 +5,9 @@
 #import tile_state
 #import region_fold
 
-struct Push {
-    walk: TileWalk,
-    // Slots that stay empty: the first ones.
-    unused: u32,
-}
-
 // State that a run leaves to the next: the depth key of the last layer, then key and color of each slot.
 @group(0) @binding(23) var<storage, read_write> slots: array<vec4<u32>>;
-var<immediate> push: Push;
+#push
 
 struct Slot {
     key: u32,

@@ -5,13 +5,8 @@
 #import region_fold
 #import moment_light
 
-struct Push {
-    walk: TileWalk,
-    estimate: Estimate,
-}
-
 @group(0) @binding(23) var<storage, read> known: array<vec2<f32>>;
-var<immediate> push: Push;
+#push
 
 var<private> state: State;
 

@@ -4,13 +4,8 @@
 #import region_fold
 #import moment_sums
 
-struct Push {
-    walk: TileWalk,
-    estimate: Estimate,
-}
-
 @group(0) @binding(20) var<storage, read_write> known: array<vec2<f32>>;
-var<immediate> push: Push;
+#push
 
 fn begin(pixel: vec2<u32>) {
     begin_moments(pixel);

@@ -3,12 +3,7 @@
 // only if it is solid. Reference: reference::one_layer::Parts::blend.
 #import dispatch
 
-struct Push {
-    count: u32,
-    // Opacity of the layer.
-    softness: f32,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(0) var<storage, read> layer: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> layer_depths: array<f32>;

@@ -2,10 +2,6 @@
 #import compose
 #import dispatch
 
-struct Push {
-    count: u32,
-}
-
 struct Nearest {
     id: u32,
     key: u32,
@@ -14,15 +10,9 @@ struct Nearest {
 @group(0) @binding(17) var<storage, read> nearest: array<Nearest>;
 @group(0) @binding(18) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(19) var<storage, read_write> depths: array<f32>;
-var<immediate> push: Push;
+#push
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = invocation_index(workgroup, groups, local);
+#main p {
     if p >= push.count {
         return;
     }

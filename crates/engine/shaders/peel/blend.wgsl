@@ -12,10 +12,6 @@ struct Nearest {
     key: u32,
 }
 
-struct Push {
-    count: u32,
-}
-
 @group(0) @binding(17) var<storage, read_write> nearest: array<Nearest>;
 @group(0) @binding(18) var<storage, read_write> last: array<vec2<u32>>;
 @group(0) @binding(19) var<storage, read_write> work: PeelWork;
@@ -23,18 +19,12 @@ struct Push {
 @group(0) @binding(20) var<storage, read_write> layers: array<u32>;
 @group(0) @binding(21) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(22) var<storage, read_write> depths: array<f32>;
-var<immediate> push: Push;
+#push
 override COUNTED: u32 = 0u;
 
 const INFINITY_BITS = 0x7f800000u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = invocation_index(workgroup, groups, local);
+#main p {
     if p >= push.count {
         return;
     }

@@ -6,22 +6,6 @@
 #import dispatch
 #import filtered
 
-struct Push {
-    // Columns of tiles, and all tiles.
-    columns: u32,
-    tiles: u32,
-    // The window's corner in the rectangle in work, and its size.
-    left: u32,
-    top: u32,
-    width: u32,
-    height: u32,
-    // Size of the rectangle in work.
-    outer_width: u32,
-    outer_height: u32,
-    // d~ in world units.
-    distance: f32,
-}
-
 @group(0) @binding(0) var<storage, read> entries: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read> depths: array<f32>;
 @group(0) @binding(2) var<storage, read> colors: array<vec4<f32>>;
@@ -32,17 +16,12 @@ struct Push {
 @group(0) @binding(5) var<storage, read_write> layers: array<u32>;
 @group(0) @binding(6) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> image_depths: array<f32>;
-var<immediate> push: Push;
+#push
 override COUNTED: u32 = 0u;
 
 const NOTHING = 0xffffffffu;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     let p = push;
     let entry = entries[workgroup_index(workgroup, groups)];
     let x = local % TILE;

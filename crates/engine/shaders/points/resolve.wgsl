@@ -4,24 +4,15 @@
 #import splat
 #import dispatch
 
-struct Push {
-    count: u32,
-}
-
 // Index and depth key.
 @group(0) @binding(17) var<storage, read> nearest: array<vec2<u32>>;
 @group(0) @binding(18) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(19) var<storage, read_write> depths: array<f32>;
-var<immediate> push: Push;
+#push
 
 const NOTHING = 0xffffffffu;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let p = invocation_index(workgroup, groups, local);
     if p >= push.count {

@@ -4,12 +4,7 @@
 @group(0) @binding(0) var<storage, read> records: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read_write> counts: array<atomic<u32>>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     let run = workgroup_index(workgroup, groups);
     let end = min((run + 1u) * push.run_length, push.count);
     for (var i = run * push.run_length + local; i < end; i += WG_SIZE) {

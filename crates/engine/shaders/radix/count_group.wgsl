@@ -7,12 +7,7 @@
 
 var<workgroup> found: array<atomic<u32>, DIGIT_VALUES>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     let run = workgroup_index(workgroup, groups);
     for (var digit = local; digit <= push.mask; digit += WG_SIZE) {
         atomicStore(&found[digit], 0u);

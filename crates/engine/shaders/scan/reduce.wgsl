@@ -3,22 +3,12 @@
 // workgroups.
 #import dispatch
 
-struct Push {
-    count: u32,
-}
-
 @group(0) @binding(0) var<storage, read> values: array<u32>;
 @group(0) @binding(1) var<storage, read_write> sums: array<u32>;
 @group(0) @binding(2) var<storage, read_write> overflow: array<atomic<u32>>;
-var<immediate> push: Push;
+#push
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let run = invocation_index(workgroup, groups, local);
+#main run {
     let start = run * SCAN_RUN;
     if start >= push.count {
         return;

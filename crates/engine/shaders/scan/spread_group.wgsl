@@ -18,12 +18,7 @@ fn put(i: u32, offset: u32) {
     }
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     let run = workgroup_index(workgroup, groups);
     if run * GROUP_RUN >= push.count {
         return;

@@ -4,20 +4,7 @@
 #import elementary
 #import dispatch
 
-struct Push {
-    // Pixels to shade.
-    count: u32,
-    width: u32,
-    // Rows of `depths`, and the first one of those to shade.
-    rows: u32,
-    first: u32,
-    // Offsets of the neighbors: along an axis, and along each of both on a diagonal.
-    straight: u32,
-    diagonal: u32,
-    // Over the sum of logarithms.
-    strength: f32,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(0) var<storage, read> depths: array<f32>;
 @group(0) @binding(1) var<storage, read_write> factors: array<f32>;
@@ -39,13 +26,7 @@ fn behind(depth: f32, x: i32, y: i32) -> f32 {
     return logarithm(min(depth / other, 3.4e38));
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = invocation_index(workgroup, groups, local);
+#main p {
     if p >= push.count {
         return;
     }

@@ -3,19 +3,11 @@
 // four columns and RUN rows.
 #import dispatch
 
-struct Push {
-    // Columns by four, and rows.
-    columns: u32,
-    rows: u32,
-    // Smallest distance of surfaces.
-    apart: f32,
-}
-
 // Keys of depths, which are positive; all ones where there is nothing. Rows of a multiple of four columns.
 @group(0) @binding(0) var<storage, read> nearest: array<vec4<u32>>;
 // Depths, +inf where there is nothing.
 @group(0) @binding(1) var<storage, read_write> depths: array<vec4<f32>>;
-var<immediate> push: Push;
+#push
 
 override RUN: u32 = 8u;
 
@@ -72,13 +64,7 @@ fn filled(above: Row, here: Row, below: Row) -> vec4<f32> {
     return select(least, here.own, on_edge | (here.own == nothing()));
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = invocation_index(workgroup, groups, local);
+#main i {
     let column = i % push.columns;
     let first = i / push.columns * RUN;
     if first >= push.rows {

@@ -1,26 +1,14 @@
 // shadows/start: every light reaches every point, until one turns out not to. One invocation per point of a chunk.
 #import dispatch
 
-struct Push {
-    // Points of the chunk.
-    count: u32,
-    lights: u32,
-}
-
 // The fourth component is the share of light, and until that is known the number of lights that reach the point.
 @group(0) @binding(0) var<storage, read_write> normals: array<vec4<f32>>;
-var<immediate> push: Push;
+#push
 
 // 1: the points have normals; else what lies there is nothing yet.
 override NORMALS: u32 = 0u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = invocation_index(workgroup, groups, local);
+#main i {
     if i >= push.count {
         return;
     }

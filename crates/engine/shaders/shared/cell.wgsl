@@ -3,10 +3,7 @@
 // cells know the mean of a function over each cell, no more and no less. So stages keep the means: of the optical depth
 // before a place, a fragment of depth a adds a to all cells behind its own, and to its own what is behind it there.
 // That is two sums for each fragment, in which nothing cancels.
-struct Push {
-    walk: TileWalk,
-}
-var<immediate> push: Push;
+#push
 
 // Depths of the nearest and the farthest fragment of a pixel, and the logarithm of their ratio.
 struct Range {

@@ -2,14 +2,9 @@
 #import classes
 #import dispatch
 
-struct Push {
-    band_start: u32,
-    band_end: u32,
-}
-
 @group(0) @binding(0) var<storage, read> offsets: array<u32>;
 @group(0) @binding(1) var<storage, read_write> classes: array<atomic<u32>>;
-var<immediate> push: Push;
+#push
 
 // First pixel of an invocation and one past its last.
 fn run_of(invocation: u32) -> vec2<u32> {

@@ -3,26 +3,11 @@
 #import tiled
 #import dispatch
 
-struct Push {
-    // Columns of tiles, and all tiles.
-    columns: u32,
-    tiles: u32,
-    // Size of the rectangle in work, in pixels.
-    width: u32,
-    height: u32,
-    // The run of a filter: each has its number.
-    run: u32,
-    // d~ in world units, far, and the share of an edge from which on it is softened.
-    distance: f32,
-    far: f32,
-    threshold: f32,
-}
-
 @group(0) @binding(0) var<storage, read> entries: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read_write> tiles: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read_write> depths: array<f32>;
 @group(0) @binding(3) var<storage, read_write> colors: array<vec4<f32>>;
-var<immediate> push: Push;
+#push
 // A copy: what is stored might change the constants as far as a compiler knows.
 var<private> p: Push;
 
@@ -49,12 +34,7 @@ fn write_place(entry: Entry, sides: u32, x: u32, y: u32) -> u32 {
     return pixel_place(entry.x, p.tiles, 1u - ((entry.y >> (4u + sides)) & 1u), x, y);
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     p = push;
     let entry = entries[workgroup_index(workgroup, groups)];
     filter_tile(entry, local % TILE, local / TILE * STRIP, local);

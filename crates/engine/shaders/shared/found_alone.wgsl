@@ -12,12 +12,7 @@ fn list_large(i: u32) {
     }
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
     let found = project_run(first);

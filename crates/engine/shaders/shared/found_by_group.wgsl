@@ -45,12 +45,7 @@ fn end_group() {
     }
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     begin_group(local);
     let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;

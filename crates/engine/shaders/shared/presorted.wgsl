@@ -1,15 +1,7 @@
 // An order of points that was made beforehand, in runs that a subgroup takes each.
 #import dispatch
 
-struct Push {
-    // Points.
-    count: u32,
-    run_length: u32,
-    // 1: the last point comes first.
-    backward: u32,
-}
-
-var<immediate> push: Push;
+#push
 
 // The point at a place of the order.
 fn point_at(place: u32) -> u32 {

@@ -4,12 +4,6 @@
 #import stats
 #import camera
 
-struct Push {
-    // Points of the chunk, and its number.
-    count: u32,
-    chunk: u32,
-}
-
 @group(0) @binding(6) var<storage, read_write> splats: array<PackedSplat>;
 @group(0) @binding(7) var<storage, read_write> tilts: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> bounds: array<Bounds>;
@@ -18,7 +12,7 @@ struct Push {
 @group(0) @binding(11) var<storage, read_write> tile_counts: array<u32>;
 @group(0) @binding(12) var<storage, read_write> stats: array<Stats>;
 @group(0) @binding(13) var<storage, read_write> splat_depths: array<f32>;
-var<immediate> push: Push;
+#push
 
 // Points of one invocation, at most 32.
 override RUN: u32 = 8u;

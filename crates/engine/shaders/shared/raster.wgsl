@@ -3,29 +3,13 @@
 #import camera
 #import splat
 
-struct RasterPush {
-    // Splats of this chunk.
-    count: u32,
-    // Index of the chunk's first splat among all.
-    first: u32,
-    // The band of pixels in work: [band_start, band_end) in the order of window_index.
-    band_start: u32,
-    band_end: u32,
-    // The band's first fragment among the window's.
-    first_fragment: u32,
-    // The tiles that meet the band, and segments of their splats.
-    first_tile: u32,
-    tiles: u32,
-    segments: u32,
-}
-
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
 @group(0) @binding(2) var<storage, read> tilts: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(4) var<storage, read> tile_starts: array<u32>;
 @group(0) @binding(5) var<storage, read> tile_entries: array<u32>;
 @group(0) @binding(6) var<storage, read> splat_depths: array<f32>;
-var<immediate> push: RasterPush;
+#push
 
 fn splat_of(i: u32) -> Splat {
     return unpack_splat(splats[i], splat_depths[i]);

@@ -3,11 +3,7 @@
 // binds `values`.
 #import dispatch
 
-struct Push {
-    count: u32,
-}
-
-var<immediate> push: Push;
+#push
 // Sums of the invocations, and of each ROW of them.
 var<workgroup> lanes: array<u32, WG_SIZE>;
 var<workgroup> rows: array<u32, ROWS>;

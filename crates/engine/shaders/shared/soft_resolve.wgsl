@@ -1,7 +1,7 @@
 // Shared by the kernels that sort and blend the events of soft spheres. The variant says how they are blended.
 #import lists
 #import stop
-#import soft_push
+#push
 #import soft_terms
 @group(0) @binding(23) var<storage, read> records: array<vec4<u32>>;
 

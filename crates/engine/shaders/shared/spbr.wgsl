@@ -7,48 +7,6 @@
 #import dispatch
 #import random
 
-struct Push {
-    // Slots of this dispatch, and the number of the first among the cloud's slots of the round.
-    count: u32,
-    first: u32,
-    // Among what is bound the point of the first slot, or, of a later pass, the one that others are counted from
-    // (modulo 2^32: it may lie before); and index among all points of the first that is bound.
-    base: u32,
-    list: u32,
-    // For a later pass: first point of the first row, counted from `base`, and after how many the cloud begins anew;
-    // blocks of a row, binary logarithm of the points of a block, which of the pass's ensembles the round's first one
-    // is (modulo 2^32), and what tells the pass from others.
-    start: u32,
-    around: u32,
-    columns: u32,
-    block_bits: u32,
-    hand: u32,
-    pass_word: u32,
-    // Slots of an ensemble: whole + rest / ensembles, and the sum of the rests before the round, below `ensembles`.
-    whole: u32,
-    rest: u32,
-    carry: u32,
-    ensembles: u32,
-    // Ensembles of the round, each with a plane of its own, and the first of them.
-    planes: u32,
-    ensemble: u32,
-    // Pixels of a plane.
-    pixels: u32,
-    // Bits of the epoch, at most 31, and the epoch in the uppermost of 32 bits.
-    epoch_bits: u32,
-    epoch: u32,
-    // Key of the random words.
-    key_x: u32,
-    key_y: u32,
-    // Depth at which a point is one pixel wide.
-    depth: f32,
-    // -ln(1 - alpha) of an opacity that asks for a whole such pixel.
-    unit: f32,
-    // A color of 1 in the units of the sums, and the largest color there.
-    scale: f32,
-    most: f32,
-}
-
 struct Counters {
     // Points that were drawn, 64 bits.
     visible_low: atomic<u32>,
@@ -69,7 +27,7 @@ struct Counters {
 // Two vectors for each square of more than SMALL_SQUARE pixels: place, plane and depth key of its point; columns and
 // rows.
 @group(0) @binding(6) var<storage, read_write> large: array<vec4<u32>>;
-var<immediate> push: Push;
+#push
 
 // 0: every point asks for the whole pixel; 1: its opacity says how much of it.
 override WEIGHTED: u32 = 0u;

@@ -1,12 +1,7 @@
 // Goes through the list of large squares: push.stripes workgroups for each of them.
 override STRIPES: u32 = 1u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let group = workgroup_index(workgroup, groups);
     let square = group / STRIPES;

@@ -37,12 +37,7 @@ fn cover_pixels(slot: Slot, hit: Hit) {
     }
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let start = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
     var visible = 0u;

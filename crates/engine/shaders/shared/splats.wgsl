@@ -1,11 +1,6 @@
 // Opaque splats in three passes (Botsch et al. 2004): shared by visibility and attributes. One subgroup per block of a
 // tile; splats come in canonical order. The stage imports `splat` before, and `region_fold` after this.
-struct Push {
-    walk: TileWalk,
-    // Fragments up to so many radii behind the nearest are blended with it.
-    blend_depth: f32,
-}
-var<immediate> push: Push;
+#push
 
 // 1: the fourth component of colors says which splats are solid (1); of the others only what lies behind the layer
 // counts.

@@ -2,18 +2,7 @@
 // samples each. Buffers that have one element for each stratum and pixel hold all pixels of a stratum together.
 #import random
 
-struct Push {
-    walk: TileWalk,
-    // Pixels of the window.
-    pixels: u32,
-    // Samples of the strata before this run's, and those to take from its first one on.
-    before: u32,
-    left: u32,
-    // The random numbers' key for the run's first two strata.
-    key_low: u32,
-    key_high: u32,
-}
-var<immediate> push: Push;
+#push
 
 const NOTHING = 0xffffffffu;
 

@@ -4,26 +4,12 @@
 #import splat
 #import falloff
 
-struct Push {
-    // Index of the chunk's first splat among all.
-    first: u32,
-    // The key of the stratum's random words, and which of the two it takes.
-    key_low: u32,
-    key_high: u32,
-    word: u32,
-    // Samples of the stratum that count, 1 to 4.
-    samples: u32,
-    // Scale of held depths.
-    base: u32,
-    shift: u32,
-}
-
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
 @group(0) @binding(2) var<storage, read> tilts: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(4) var<storage, read> colors: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> splat_depths: array<f32>;
-var<immediate> push: Push;
+#push
 
 struct QuadFragment {
     hit: bool,

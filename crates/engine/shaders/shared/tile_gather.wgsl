@@ -4,15 +4,7 @@
 // both return it, and finish(number, pixel).
 #import hand_over
 
-struct Push {
-    walk: TileWalk,
-    // The band of pixels in work, and its first fragment among the window's.
-    band_start: u32,
-    band_end: u32,
-    first_fragment: u32,
-}
-
-var<immediate> push: Push;
+#push
 
 alias PixelState = u32;
 

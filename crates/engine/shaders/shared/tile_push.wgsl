@@ -1,25 +1,11 @@
 // Bindings of the passes that meet drawn splats with tiles.
 #import splat
 
-struct Push {
-    // Drawn splats, and how they are cut into runs.
-    count: u32,
-    runs: u32,
-    run_length: u32,
-    // Tiles of the window in x and y, and of a block.
-    columns: u32,
-    rows: u32,
-    block_columns: u32,
-    block_rows: u32,
-    // Blocks in x.
-    blocks_x: u32,
-}
-
 @group(0) @binding(0) var<uniform> view: View;
 // Splats in order: key, and index.
 @group(0) @binding(1) var<storage, read> records: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> bounds: array<Bounds>;
-var<immediate> push: Push;
+#push
 
 // A splat's rectangle; nothing for a record without a splat, which stands behind the others.
 fn rectangle_of(index: u32) -> vec2<u32> {

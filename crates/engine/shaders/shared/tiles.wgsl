@@ -4,10 +4,6 @@
 #import splat
 #import dispatch
 
-struct Push {
-    chunk: u32,
-}
-
 // Statistics of a chunk's projection; shared/stats.wgsl explains the members.
 struct Found {
     visible: u32,
@@ -25,7 +21,7 @@ struct Found {
 @group(0) @binding(2) var<storage, read> large: array<u32>;
 @group(0) @binding(3) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> stats: array<Found>;
-var<immediate> push: Push;
+#push
 
 struct Pair {
     splat: u32,

@@ -8,18 +8,11 @@
 #import stats
 #import dispatch
 
-struct Push {
-    // Points of the chunk, its number, and the index of its first point among all.
-    count: u32,
-    chunk: u32,
-    first: u32,
-}
-
 // Positions minus the cloud's origin as sums of two floats.
 @group(0) @binding(1) var<storage, read> points_hi: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> points_lo: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> stats: array<Stats>;
-var<immediate> push: Push;
+#push
 
 // Points of one invocation, at most 32.
 override RUN: u32 = 8u;
@@ -75,12 +68,7 @@ fn quick_hit(i: u32) -> Hit {
     return Hit(seen, within && !outside && !sure, depth_key(depth), window_index(pixel, view.window));
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let start = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
     var visible = 0u;

@@ -1,12 +1,7 @@
 // Walker: one invocation per splat of a chunk walks its whole rectangle, at most view.small_area pixels.
 #import dispatch
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let i = invocation_index(workgroup, groups, local);
     if i >= push.count {

@@ -8,12 +8,7 @@ override SEGMENT: u32;
 
 const STEP_ROWS = WG_SIZE / TILE;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     view = camera;
     let group = workgroup_index(workgroup, groups);
     let tile = push.first_tile + group % push.tiles;

@@ -15,13 +15,7 @@ fn left(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return (a - (s - bb)) + (b - bb);
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.list_count) {
         return;
     }

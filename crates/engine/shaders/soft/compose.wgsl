@@ -1,25 +1,13 @@
 // soft/compose: the soft points of each pixel before its solid one. One invocation per pixel of the window.
 #import dispatch
 
-struct Push {
-    count: u32,
-    // The depth that those of solid points are relative to.
-    origin: f32,
-}
-
 @group(0) @binding(0) var<storage, read> solid_image: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> solid_depths: array<f32>;
 @group(0) @binding(2) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> depths: array<f32>;
-var<immediate> push: Push;
+#push
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = invocation_index(workgroup, groups, local);
+#main p {
     if p >= push.count {
         return;
     }

@@ -6,21 +6,13 @@
 #import profile
 #import hand_over
 
-struct Push {
-    walk: TileWalk,
-    // Opacity in the middle of a disc, Seemann's lambda.
-    peak: f32,
-    // Largest color component, background included: a bound of the splats behind.
-    max_color: f32,
-}
-
 // Depths of the solid points: only discs before them count.
 @group(0) @binding(20) var<storage, read> solid: array<f32>;
 @group(0) @binding(21) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(22) var<storage, read_write> depths: array<f32>;
 // Discs of each pixel.
 @group(0) @binding(23) var<storage, read_write> counts: array<u32>;
-var<immediate> push: Push;
+#push
 
 // 1: the image holds what lies in front.
 override LATER: u32 = 0u;

@@ -3,13 +3,8 @@
 #import soft_resolve
 #import local_sort
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = class_pixel(invocation_index(workgroup, groups, local));
+#main item {
+    let p = class_pixel(item);
     if p == NOTHING {
         return;
     }

@@ -8,13 +8,8 @@ fn slot(start: u32, i: u32, n: u32) -> vec2<u32> {
     return select(vec2<u32>(NOTHING), fragments[start + min(i, n - 1u)], i < n);
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = class_pixel(invocation_index(workgroup, groups, local));
+#main item {
+    let p = class_pixel(item);
     if p == NOTHING {
         return;
     }

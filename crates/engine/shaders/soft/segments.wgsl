@@ -3,15 +3,10 @@
 // is integrated over every segment: beside its chord that is nothing, so no list of open spheres is needed, however
 // many there are. A dispatch looks at TAKEN events of each list from push.first on; later ones add to what those before
 // found.
-#import soft_push
+#push
 #import soft_terms
 #import segment
-#import run_of_list
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read_write> segments: array<f32>;
 @group(0) @binding(21) var<storage, read> records: array<vec4<u32>>;
 override TAKEN: u32 = 1u;
@@ -57,12 +52,7 @@ fn sphere_at(event: u32, pixel: vec2<u32>, ray: vec4<f32>) -> vec4<f32> {
     return opened(id, pixel, ray).sphere;
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+#main {
     let item = workgroup_index(workgroup, groups);
     let count = atomicLoad(&work.run_count);
     let present = item < count;

@@ -1,24 +1,13 @@
 // soft/sum-runs: the sums that the events of each run of a sorted long list add to the running ones. One invocation per
 // run.
-#import soft_push
+#push
 #import soft_terms
-#import run_of_list
 #import run_sums
-#import dispatch
-
-@group(0) @binding(17) var<storage, read_write> work: LongWork;
-@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+#import sorted_runs
 @group(0) @binding(20) var<storage, read_write> sums: array<RunSums>;
 @group(0) @binding(21) var<storage, read> records: array<vec4<u32>>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let item = invocation_index(workgroup, groups, local);
+#main item {
     if item >= atomicLoad(&work.run_count) {
         return;
     }

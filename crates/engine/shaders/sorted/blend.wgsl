@@ -7,16 +7,9 @@
 #import early_end
 #import hand_over
 
-struct Push {
-    walk: TileWalk,
-    // Largest opacity, and largest color component, background included: bounds of the splats behind.
-    max_opacity: f32,
-    max_color: f32,
-}
-
 @group(0) @binding(20) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(21) var<storage, read_write> depths: array<f32>;
-var<immediate> push: Push;
+#push
 
 // Runs are composed by themselves: a later one goes behind what the image holds.
 struct PixelState {

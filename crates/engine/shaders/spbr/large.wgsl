@@ -1,10 +1,5 @@
 // spbr/large: number of large squares to the arguments of an indirect dispatch. A single invocation.
-struct Push {
-    // Workgroups of a square, and most workgroups in x.
-    stripes: u32,
-    most: u32,
-}
-var<immediate> push: Push;
+#push
 
 struct Counters {
     visible_low: u32,

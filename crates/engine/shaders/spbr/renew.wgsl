@@ -1,10 +1,7 @@
 // spbr/renew: nothing as the nearest point of each pixel, when there are no epochs left. One invocation per pixel.
 #import dispatch
 
-struct Push {
-    count: u32,
-}
-var<immediate> push: Push;
+#push
 
 // Four for each pixel, the first of which is the nearest point.
 @group(0) @binding(0) var<storage, read_write> pixels: array<vec2<u32>>;

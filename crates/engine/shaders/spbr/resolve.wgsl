@@ -3,13 +3,7 @@
 #import dispatch
 #import splat
 
-struct Push {
-    pixels: u32,
-    // Ensembles, and a color of 1 in the units of the sums.
-    ensembles: u32,
-    scale: f32,
-}
-var<immediate> push: Push;
+#push
 
 // As in spbr/sum.
 @group(0) @binding(0) var<storage, read> pixels: array<vec4<u32>>;

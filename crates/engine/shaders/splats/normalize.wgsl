@@ -2,10 +2,7 @@
 // invocation per pixel. Reference: reference::splats::blend.
 #import dispatch
 
-struct Push {
-    count: u32,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(0) var<storage, read_write> image: array<vec4<f32>>;
 

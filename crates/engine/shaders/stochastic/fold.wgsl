@@ -4,21 +4,7 @@
 #import held
 #import dispatch
 
-struct Push {
-    // Columns and pixels of the window.
-    width: u32,
-    pixels: u32,
-    // This stratum among the run's.
-    stratum: u32,
-    // Its samples that count, 1 to 4.
-    samples: u32,
-    // 1 for the very first stratum.
-    first: u32,
-    // Scale of held depths.
-    base: u32,
-    shift: u32,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(0) var held_depths: texture_depth_multisampled_2d;
 @group(0) @binding(1) var drawn: texture_2d<f32>;
@@ -31,13 +17,7 @@ override SPREAD: u32 = 0u;
 // 1: alpha correction.
 override EXACT: u32 = 0u;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let p = invocation_index(workgroup, groups, local);
+#main p {
     if p >= push.pixels {
         return;
     }

@@ -9,13 +9,7 @@
 // Reference: reference::stochastic::estimate.
 #import dispatch
 
-struct Push {
-    pixels: u32,
-    // Samples of the strata before, and those to take from the run's first one on.
-    before: u32,
-    left: u32,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(0) var<storage, read> sums: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> image: array<vec4<f32>>;

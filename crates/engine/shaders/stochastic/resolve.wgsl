@@ -2,11 +2,7 @@
 // invocation per pixel. Reference: reference::stochastic::estimate.
 #import dispatch
 
-struct Push {
-    pixels: u32,
-    samples: u32,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(0) var<storage, read> exact: array<f32>;
 @group(0) @binding(1) var<storage, read_write> image: array<vec4<f32>>;

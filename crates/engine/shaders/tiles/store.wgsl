@@ -4,13 +4,7 @@
 @group(0) @binding(5) var<storage, read_write> cursors: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> entries: array<u32>;
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let number = invocation_index(workgroup, groups, local);
+#main number {
     if number < pairs() {
         let pair = pair_at(number);
         let slot = atomicAdd(&cursors[pair.tile], 1u);

@@ -3,10 +3,7 @@
 #import region_fold
 #import fade
 
-struct Push {
-    walk: TileWalk,
-}
-var<immediate> push: Push;
+#push
 
 @group(0) @binding(20) var<storage, read_write> ranges: array<vec2<f32>>;
 

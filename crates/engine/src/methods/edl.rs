@@ -17,18 +17,18 @@ use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Dispatch, Kept, Memory, Run};
 use crate::passes::bands::Budget;
 use crate::scene::Edl;
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `shading/edl`; the shader explains the members.
+    /// Push constants of `shading/edl`.
     pub struct EdlPush {
-        count: u32,
+        count: u32, // Pixels to shade.
         width: u32,
-        rows: u32,
+        rows: u32, // Rows of `depths`, and the first one of those to shade.
         first: u32,
-        straight: u32,
+        straight: u32, // Offsets of the neighbors: along an axis, and along each of both on a diagonal.
         diagonal: u32,
-        strength: f32,
+        strength: f32, // Over the sum of logarithms.
     }
 }
 
@@ -78,25 +78,17 @@ pub(crate) struct Surface<'a> {
     pub depths: &'a [f32],
 }
 
-/// Buffers that are kept from frame to frame.
-pub(crate) struct EyeDomeLighting {
-    depths_host: Kept<f32>,
-    depths: Kept<f32>,
-    factors: Kept<f32>,
-    factors_host: Kept<f32>,
+fields! {
+    /// Buffers that are kept from frame to frame.
+    pub(crate) struct EyeDomeLighting {
+        depths_host: Kept<f32> = Kept::new("depths to shade, host", Memory::Upload),
+        depths: Kept<f32> = Kept::new("depths to shade", Memory::Device),
+        factors: Kept<f32> = Kept::new("factors of shading", Memory::Device),
+        factors_host: Kept<f32> = Kept::new("factors of shading, host", Memory::Readback),
+    }
 }
 
 impl EyeDomeLighting {
-    /// Takes no memory yet.
-    pub fn new() -> Self {
-        Self {
-            depths_host: Kept::new("depths to shade, host", Memory::Upload),
-            depths: Kept::new("depths to shade", Memory::Device),
-            factors: Kept::new("factors of shading", Memory::Device),
-            factors_host: Kept::new("factors of shading, host", Memory::Readback),
-        }
-    }
-
     /// Makes the colors of an image darker by the depths of its surface, with at most `budget` bytes for a band unless
     /// a row with its neighbors takes more.
     pub fn apply(

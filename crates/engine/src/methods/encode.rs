@@ -14,20 +14,20 @@ use crate::scene::ColorSpace;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `image/encode`; the shader explains the members.
+    /// Push constants of `image/encode`.
     pub struct EncodePush {
-        count: u32,
-        first_row: u32,
-        width: u32,
+        count: u32, // Pixels of the rows.
+        first_row: u32, // Their first row in the picture.
+        width: u32, // Columns and rows of the picture.
         height: u32,
-        image_width: u32,
+        image_width: u32, // Columns and rows of the image.
         image_height: u32,
         scale: f32,
-        background_r: f32,
+        background_r: f32, // Of the space that the image's colors have.
         background_g: f32,
         background_b: f32,
-        encoded: u32,
-        blue_first: u32,
+        encoded: u32, // 1 if the image's colors are encoded.
+        blue_first: u32, // 1 if blue comes first in memory.
     }
 }
 

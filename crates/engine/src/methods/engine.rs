@@ -6,7 +6,7 @@ use std::ops::{Deref, Range};
 use crate::progress::Progress;
 
 use super::explain::Explain;
-use super::parts::{Plane, SamplePart};
+use super::parts::{Plane, SamplePart, Sums};
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
@@ -16,7 +16,6 @@ use crate::passes::foresight::Place;
 use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
-use crate::random::STRATUM;
 use crate::scene::MAX_LAYERS;
 
 /// A family of methods with the settings of one of them: how its frames are cut into windows, rendered and counted.
@@ -112,8 +111,10 @@ pub(crate) trait Engine: Explain {
         false
     }
 
-    /// The values that the engine can count for each pixel.
-    fn channels(&self) -> Channels;
+    /// Returns the values that the engine can count for each pixel.
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
 
     /// Renders a window into the target and copies it to the host, or only counts it ([`Work::survey`]).
     ///
@@ -121,30 +122,14 @@ pub(crate) trait Engine: Explain {
     /// The device lacks a feature or memory, even for the smallest window.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error>;
 
-    /// Counts of the window that was rendered last, where the frame asks for them.
+    /// Returns counts of the window that was rendered last, where the frame asks for them.
     ///
     /// # Errors
     /// The device failed.
-    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error>;
-}
-
-/// Sums that the random samples of a pixel leave before they are resolved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Sums {
-    /// Whole numbers over ensembles.
-    Ensembles,
-    /// Float32 numbers of each batch of samples.
-    Samples,
-    /// Float32 numbers of each batch of samples, and the exact A, which corrects them.
-    Corrected,
-}
-
-impl Sums {
-    /// Returns the number of samples between two places where they may be cut.
-    pub fn step(self) -> u32 {
-        match self {
-            Self::Ensembles => 1,
-            Self::Samples | Self::Corrected => super::stochastic::MOST_STRATA * STRATUM,
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        match self.channels().fragments {
+            Fragments::Never => Ok(Counts::default()),
+            Fragments::Beside | Fragments::Within => buffers.resources.lists.counts(frame, window),
         }
     }
 }

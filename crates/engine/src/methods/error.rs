@@ -108,7 +108,7 @@ pub enum Error {
         points: u64,
     },
     /// Levels of detail of points that are all on the device.
-    #[error("levels of detail need points that come some at a time (`Renderer::upload_for`)")]
+    #[error("levels of detail need points that come some at a time (`Upload::with_detail`)")]
     NoLevels,
     /// More points show in a single pixel than fit.
     #[error(

@@ -13,7 +13,9 @@ use crate::scene::ShadingModel;
 pub(crate) trait Explain {
     /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted.
     /// `None` where that is not known.
-    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
+    fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
+        None
+    }
 
     /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves
     /// out.
@@ -137,8 +139,8 @@ impl Plan<'_> {
     }
 
     /// Returns a reason where splats touch the image.
-    pub fn if_seen(&self, reason: String) -> String {
-        if self.seen() { reason } else { NOTHING.to_owned() }
+    pub fn if_seen(&self, reason: impl Into<String>) -> String {
+        if self.seen() { reason.into() } else { NOTHING.to_owned() }
     }
 
     /// Returns the shading of points, in words.

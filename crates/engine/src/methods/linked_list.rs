@@ -10,13 +10,12 @@
 //! faster, for four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the
 //! store no faster.
 
-use super::abuffer::{self, Blender, Blending, Needs, Room, StoreFragments};
-use super::{Error, Target};
+use super::Error;
+use super::abuffer::{Needs, StoreFragments, Storing};
 use crate::gpu::shader::Shader;
 use crate::gpu::{self, Dispatch, Expected, Recorder, Run, Slice, Variant};
-use crate::passes::bands::Band;
-use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
-use crate::{gpu_struct, pass};
+use crate::passes::raster::{self, Chunk, ChunkGroup, RasterPush};
+use crate::{gpu_struct, group, pass};
 
 /// Links that one invocation of `linked-list/gather` follows; longer lists are gathered by several runs.
 const GATHER_STEP: u32 = 32_768;
@@ -28,8 +27,22 @@ gpu_struct! {
     pub struct GatherPush {
         band_start: u32,
         band_end: u32,
-        first_fragment: u32,
-        done: u32,
+        first_fragment: u32, // The band's first fragment among the window's.
+        done: u32, // Nodes of each list that earlier runs have written.
+    }
+}
+
+group! {
+    /// Bindings of a pass that puts nodes before the lists of pixels.
+    pub Linking as LinkingGroup {
+        /// The first node of each pixel of the window.
+        heads: ReadWrite<u32>,
+        /// Counter of nodes.
+        node_count: ReadWrite<u32>,
+        /// The nodes of the band.
+        nodes: ReadWrite<[u32; 2]>,
+        /// Links to the next node.
+        links: ReadWrite<u32>,
     }
 }
 
@@ -38,14 +51,9 @@ pass! {
     /// atomic exchange.
     pub Store(RasterPush) = "linked-list/store" in "linked_list/store" {
         chunk: Shared<ChunkGroup>,
-        heads: ReadWrite<u32>,
-        node_count: ReadWrite<u32>,
-        nodes: ReadWrite<[u32; 2]>,
-        links: ReadWrite<u32>,
+        lists: Shared<LinkingGroup>,
     }
-}
 
-pass! {
     /// Copies up to 32 768 nodes of each pixel's list into the pixel's range; repeats from where it stopped.
     pub Gather(GatherPush) = "linked-list/gather" in "linked_list/gather" {
         offsets: Read<u32>,
@@ -65,78 +73,25 @@ fn gather_variant(counted: bool) -> Variant {
 #[derive(Debug, Clone, Copy)]
 pub struct LinkedLists;
 
-/// Buffers of a pass that puts nodes before the lists of pixels.
-#[derive(Clone, Copy)]
-pub struct Linking<'a> {
-    /// The first node of each pixel of the window.
-    pub heads: Slice<'a, u32>,
-    /// Counter of nodes.
-    pub node_count: Slice<'a, u32>,
-    /// The nodes of the band.
-    pub nodes: Slice<'a, [u32; 2]>,
-    /// Links to the next node.
-    pub links: Slice<'a, u32>,
-}
-
 impl StoreFragments for LinkedLists {
     fn needs(&self) -> Needs {
         Needs { links: true, ..Needs::default() }
     }
 
-    fn record_count<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        counts: Slice<'a, u32>,
-        _bodies: Slice<'a, u32>,
-    ) -> Result<(), Error> {
-        abuffer::record_fragment_count(recorder, raster, counts)
-    }
-
-    fn record_store<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        band: &Band,
-        room: &'a Room,
-        longest: u32,
-    ) -> Result<(), Error> {
-        record(recorder, room, (band, longest), |recorder, Linking { heads, node_count, nodes, links }| {
-            Ok(raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, heads, node_count, nodes, links })?)
+    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error> {
+        record(recorder, storing, |recorder, lists| {
+            Ok(storing.raster.record(recorder, &storing.band, |chunk: Chunk<'a>| Store { chunk, lists })?)
         })
-    }
-
-    fn record_blend<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        target: &'a Target,
-    ) -> Result<(), Error> {
-        blender.record_fragments(recorder, blending, target)
-    }
-
-    fn record_samples<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        _bodies: bool,
-        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
-    ) -> Result<(), Error> {
-        blender.record_fragment_samples(recorder, blending, to)
     }
 }
 
 /// Records a band's fragments to their pixels' ranges: `link` puts them into lists, whose nodes are then copied.
-/// `longest` is the length of the longest list.
 ///
 /// # Errors
 /// Vulkan errors.
 pub fn record<'a>(
     recorder: &mut Recorder<'a>,
-    room: &'a Room,
-    (band, longest): (&Band, u32),
+    Storing { band, room, longest, .. }: Storing<'a>,
     link: impl FnOnce(&mut Recorder<'a>, Linking<'a>) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let (offsets, heads) = (room.offsets.get().all(), room.counts.get().all());

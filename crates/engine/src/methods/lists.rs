@@ -10,12 +10,13 @@ use super::linked_list::LinkedLists;
 use super::projecting::discs as projecting;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, project, windows_of};
+use crate::methods::engine::{Channels, Engine, Work, project, windows_of};
 use crate::methods::explain::{Explain, Plan};
 use crate::methods::walker::walker;
-use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Timeline, sorted, tiled};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop, Timeline, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins, Order};
+use crate::passes::compose;
 use crate::passes::project::{DeviceCloud, Footprint, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Peel, Raster as Way};
@@ -103,7 +104,7 @@ impl ListEngine {
         buffers.tiles.reserve(device, &stats, window)?;
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
-        let stop = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
+        let stop = compose::stop(Stop::Exact, frame.color, 1.0);
         let job = WindowJob {
             raster,
             discs: self.discs,
@@ -147,7 +148,7 @@ impl Engine for ListEngine {
             return Ok(Outcome::Overflow);
         };
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
-        let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
+        let stop = compose::stop(frame.stop, frame.color, cloud.max_color(&how));
         let (storing, shown) = (self.storing(cloud), self.shown);
         let mut job = WindowJob { raster, discs: self.discs, storing, stop, shown, budget, samples: None };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
@@ -168,10 +169,6 @@ impl Engine for ListEngine {
             work.note(&stats, walker);
         }
         Ok(outcome)
-    }
-
-    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        buffers.resources.lists.counts(frame, window)
     }
 }
 

@@ -22,6 +22,7 @@ pub mod linked_list;
 mod lists;
 pub mod one_layer;
 pub mod opaque;
+mod own;
 mod parts;
 pub mod peel;
 pub mod peel_layers;
@@ -50,20 +51,23 @@ pub use frame::{Factors, Frame};
 pub use frame_profile::{FrameProfile, PassProfile};
 pub use parts::{DrawnPart, PartError, SamplePart, SampleSteps};
 pub use reach::{need_subgroups, without_subgroups};
-pub use renderer::{Rendered, Renderer};
-pub use sorted::Stop;
-pub use target::{Pixels, Target};
+pub use renderer::{Rendered, Renderer, Source, Upload};
+pub use target::{Layer, Pixels, PixelsGroup, Target};
 
+pub use crate::passes::compose::Stop;
 pub use crate::passes::timeline::Timeline;
 
 use crate::gpu::Device;
-use crate::passes::bin::Bins;
-use crate::passes::project::Footprint;
-use crate::passes::tiles::Tiles;
+use crate::gpu::shader::Shader;
+use crate::passes::bin::{self, Bins};
+use crate::passes::project::{self, Footprint};
+use crate::passes::tiles::{self, Tiles};
+use crate::passes::{radix, scan};
 use crate::scene::{Hybrid, Interpolated, Method, Mlab, Tail, Wavelet};
 use abuffer::Shown;
 use engine::Engine;
 use explain::{Absent, CLEAR, PassGroup, SCAN};
+use own::Own;
 
 /// Returns the engine of a method.
 pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
@@ -112,30 +116,52 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
     }
 }
 
+/// A family of methods, or stages that several families share.
+pub(crate) struct Family {
+    /// Passes, and why frames without them leave them out.
+    groups: &'static [fn() -> PassGroup],
+    /// Returns the passes with their variants.
+    pub shaders: fn() -> Vec<Shader>,
+}
+
+const fn family(groups: &'static [fn() -> PassGroup], shaders: fn() -> Vec<Shader>) -> Family {
+    Family { groups, shaders }
+}
+
+/// Every family, in the order in which plans list passes that a frame leaves out.
+pub(crate) const FAMILIES: &[Family] = &[
+    family(&[opaque::counter_group], project::shaders),
+    family(&[spbr::pass_group], spbr::shaders),
+    family(&[tiled::order_group, tiled::presorted_group], bin::shaders),
+    family(&[], radix::shaders),
+    family(&[stochastic::pass_group], stochastic::shaders),
+    family(&[soft::disc_group], Vec::new),
+    family(&[tiled::stage_group], sorted::shaders),
+    family(&[], approximate::shaders),
+    family(&[], fading::shaders),
+    family(&[soft::sphere_group], soft::shaders),
+    family(&[abuffer::count_group, abuffer::list_group], abuffer::shaders),
+    family(&[], linked_list::shaders),
+    family(&[abuffer::ellipsoid_group], ellipsoids::shaders),
+    family(&[deep::pass_group], Vec::new),
+    family(&[peel::pass_group], peel::shaders),
+    family(&[splats::pass_group], splats::shaders),
+    family(&[one_layer::pass_group], one_layer::shaders),
+    family(&[|| PassGroup::new(&CLEAR, Absent::Discs("every pixel is written"))], Vec::new),
+    family(&[opaque::tile_group], tiles::shaders),
+    family(&[|| PassGroup::new(&SCAN, Absent::Always("nothing is counted"))], scan::shaders),
+    family(&[image_space::pass_group], image_space::shaders),
+    family(&[peel_layers::pass_group], peel_layers::shaders),
+    family(&[opaque::pass_group], opaque::shaders),
+    family(&[points::pass_group], points::shaders),
+    family(&[], edl::shaders),
+    family(&[], encode::shaders),
+    family(&[], shadows::shaders),
+];
+
 /// Returns all passes that some frame runs, in the order in which plans list those that a frame leaves out.
-pub(crate) fn pass_groups() -> Vec<PassGroup> {
-    let mut groups = vec![opaque::counter_group(), spbr::pass_group(), tiled::order_group(), tiled::presorted_group()];
-    groups.extend(stochastic::pass_groups());
-    groups.extend([
-        soft::disc_group(),
-        tiled::stage_group(),
-        soft::sphere_group(),
-        abuffer::count_group(),
-        abuffer::list_group(),
-        abuffer::ellipsoid_group(),
-        deep::pass_group(),
-        peel::pass_group(),
-        splats::pass_group(),
-        one_layer::pass_group(),
-        PassGroup::new(&CLEAR, Absent::Discs("every pixel is written")),
-        opaque::tile_group(),
-        PassGroup::new(&SCAN, Absent::Always("nothing is counted")),
-        image_space::pass_group(),
-        peel_layers::pass_group(),
-        opaque::pass_group(),
-        points::pass_group(),
-    ]);
-    groups
+pub(crate) fn pass_groups() -> impl Iterator<Item = PassGroup> {
+    FAMILIES.iter().flat_map(|family| family.groups).map(|group| group())
 }
 
 /// Buffers of all engines, kept from frame to frame.
@@ -146,36 +172,18 @@ pub(crate) struct Buffers {
     pub resources: Resources,
 }
 
-/// The building blocks of engines. Several engines share the first ones.
+/// The building blocks of engines.
 pub(crate) struct Resources {
     /// Lists of fragments.
     pub lists: abuffer::ABuffer,
     /// Tiles of ordered splats.
     pub bins: Bins,
-    /// Splats in three passes.
-    pub splatter: splats::Splatter,
     /// Solid points of a window that has soft ones; soft points of one whose layer they are.
-    pub layer: soft::Layer,
-    /// The nearest splats and points.
-    pub opaque: opaque::Opaque,
-    /// Filtered images of points.
-    pub filterer: image_space::Filterer,
-    /// Sums for each pixel.
-    pub approximations: approximate::Approximations,
-    /// Fading of the light of each pixel.
-    pub fadings: fading::Fadings,
-    /// Samples of pixels.
-    pub sampler: stochastic::Sampler,
-    /// Layers of discs.
-    pub peeler: peel::Peeler,
-    /// Layers of filtered images.
-    pub layer_peeler: peel_layers::LayerPeeler,
-    /// Soft discs in a presorted order.
-    pub soft_discs: soft::express::SoftDiscs,
+    pub layer: Layer,
     /// `true` if the soft points of the last window were counted.
     pub soft_counted: bool,
-    /// Ensembles of points.
-    pub ensembles: spbr::Ensembles,
+    /// Buffers that a family has for itself.
+    pub own: Own,
 }
 
 impl Buffers {
@@ -184,22 +192,8 @@ impl Buffers {
     /// # Errors
     /// Out of memory.
     pub fn new(device: &Device) -> Result<Self, Error> {
-        let resources = Resources {
-            lists: abuffer::ABuffer::new(device)?,
-            bins: Bins::new(device)?,
-            splatter: splats::Splatter::default(),
-            layer: soft::Layer::default(),
-            opaque: opaque::Opaque::default(),
-            filterer: image_space::Filterer::new(device)?,
-            approximations: approximate::Approximations::default(),
-            fadings: fading::Fadings::default(),
-            sampler: stochastic::Sampler::new(),
-            peeler: peel::Peeler::new(device)?,
-            layer_peeler: peel_layers::LayerPeeler::new(device)?,
-            soft_discs: soft::express::SoftDiscs::default(),
-            soft_counted: false,
-            ensembles: spbr::Ensembles::default(),
-        };
+        let (lists, bins) = (abuffer::ABuffer::new(device)?, Bins::new(device)?);
+        let resources = Resources { lists, bins, layer: Layer::default(), soft_counted: false, own: Own::default() };
         Ok(Self { tiles: Tiles::new(device)?, resources })
     }
 }

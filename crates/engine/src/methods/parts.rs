@@ -12,11 +12,34 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_bytes::{ByteBuf, Bytes};
 
-use super::engine::Sums;
 use super::{Facts, Frame, FrameProfile, engine_of};
 use crate::image::MAX_SIDE;
 use crate::passes::bands::Window;
 use crate::random::STRATUM;
+
+/// Most strata that go through the splats together.
+pub const MOST_STRATA: u32 = 4;
+
+/// Sums that the random samples of a pixel leave before they are resolved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Sums {
+    /// Whole numbers over ensembles.
+    Ensembles,
+    /// Float32 numbers of each batch of samples.
+    Samples,
+    /// Float32 numbers of each batch of samples, and the exact A, which corrects them.
+    Corrected,
+}
+
+impl Sums {
+    /// Returns the number of samples between two places where they may be cut.
+    pub fn step(self) -> u32 {
+        match self {
+            Self::Ensembles => 1,
+            Self::Samples | Self::Corrected => MOST_STRATA * STRATUM,
+        }
+    }
+}
 
 /// Steps at which the random samples of a frame may be cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -6,6 +6,7 @@ use super::Error;
 use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
 use crate::image::Image;
 use crate::passes::bands::{self, Window};
+use crate::{fields, group};
 
 /// The destination of a window's pixels.
 pub struct Target {
@@ -97,13 +98,14 @@ impl Target {
     }
 }
 
-/// The image to draw into; it has at least as many elements as the window has pixels.
-#[derive(Clone, Copy)]
-pub struct Pixels<'a> {
-    /// Premultiplied color; A = 1 where anything is, else all 0.
-    pub image: Slice<'a, [f32; 4]>,
-    /// Depths along the viewing axis, +inf where nothing is.
-    pub depths: Slice<'a, f32>,
+group! {
+    /// The image to draw into; it has at least as many elements as the window has pixels.
+    pub Pixels as PixelsGroup {
+        /// Premultiplied color; A = 1 where anything is, else all 0.
+        image: ReadWrite<[f32; 4]>,
+        /// Depths along the viewing axis, +inf where nothing is.
+        depths: ReadWrite<f32>,
+    }
 }
 
 impl<'a> Pixels<'a> {
@@ -113,5 +115,45 @@ impl<'a> Pixels<'a> {
         recorder.fill("image/clear", self.image.first(pixels), 0)?;
         recorder.fill("image/clear", self.depths.first(pixels), f32::INFINITY.to_bits())?;
         Ok(())
+    }
+}
+
+fields! {
+    /// Pixels of a window's solid points, which soft ones are drawn before, or of its nearest soft points.
+    pub struct Layer {
+        image: Kept<[f32; 4]> = Kept::new("solid image", Memory::Device),
+        depths: Kept<f32> = Kept::new("solid depths", Memory::Device),
+    }
+}
+
+impl Layer {
+    /// Bytes of a pixel.
+    pub const PIXEL_BYTES: u64 = 20;
+
+    /// Room for a window.
+    pub fn reserve(&mut self, device: &Device, pixels: u64) -> Result<(), Error> {
+        self.image.reserve(device, pixels)?;
+        self.depths.reserve(device, pixels)?;
+        Ok(())
+    }
+
+    /// Returns premultiplied color, A = 1 where something is.
+    pub fn image(&self) -> Slice<'_, [f32; 4]> {
+        self.image.get().all()
+    }
+
+    /// Returns depths along the viewing axis, +inf where nothing is.
+    pub fn depths(&self) -> Slice<'_, f32> {
+        self.depths.get().all()
+    }
+
+    /// Returns both of `len` pixels from `start`, on the host.
+    pub fn read(&self, [start, len]: [u64; 2]) -> Result<(Vec<[f32; 4]>, Vec<f32>), Error> {
+        Ok((self.image.get().read(start, len)?, self.depths.get().read(start, len)?))
+    }
+
+    /// Both.
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { image: self.image(), depths: self.depths() }
     }
 }

@@ -2,16 +2,38 @@
 
 use super::abuffer;
 use super::bytes::PassRuns;
-use super::engine::{Counts, Work};
-use super::explain::{Absent, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
+use super::engine::{Channels, Engine, Work};
+use super::explain::{Absent, Explain, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
 use super::walker::walker;
-use super::{Buffers, Error, Facts, Frame, Outcome, Resources, sorted};
-use crate::gpu::Device;
-use crate::passes::bands::{self, Window};
-use crate::passes::bin::{self, Bins, Order, RECORD_BYTES};
+use super::{Buffers, Error, Facts, Frame, Outcome, PixelsGroup, Resources};
+use crate::gpu::{Device, DeviceInfo, Recorder};
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::bin::{self, Bin, Binned, Bins, Order, RECORD_BYTES, TileWalk};
 use crate::passes::project::DeviceCloud;
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{self, DiscShape, Discs};
+use crate::{gpu_struct, group};
+
+gpu_struct! {
+    /// Push constants of stages that need nothing but their place.
+    pub struct SumPush {
+        walk: TileWalk,
+    }
+}
+
+group! {
+    /// Bindings of stages that keep sums for each pixel, besides the tiles.
+    pub Sums as SumsGroup {
+        into: Shared<PixelsGroup>,
+        /// State that a run leaves to the next.
+        kept: ReadWrite<[f32; 4]>,
+    }
+}
+
+/// Bytes of a pixel's state between two runs.
+pub(super) const STATE_BYTES: u64 = 64;
+/// Up to so many pixels a window has room for their state whatever else there is.
+pub(super) const SMALL_WINDOW: u64 = 256;
 
 /// A stage that goes through tiles of splats.
 pub(crate) trait Stage {
@@ -55,6 +77,57 @@ pub(crate) trait Stage {
     ) -> Result<Outcome, Error>;
 }
 
+/// A stage that is all of its method besides the projection: an engine by itself.
+pub(crate) trait Whole: Stage {
+    /// Cuts a frame into windows that fit the budget.
+    fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window>;
+
+    /// Cuts a window that turned out to be too large; `None` for a single pixel.
+    fn halves(&self, window: Window) -> Option<[Window; 2]> {
+        bands::halves(window)
+    }
+
+    /// Returns the passes behind the tiles, in the order in which they run.
+    fn passes(&self) -> &'static [&'static str];
+
+    /// Returns the number of bytes that one of them must at least move.
+    fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
+        None
+    }
+}
+
+impl<S: Whole> Engine for S {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(Whole::windows(self, frame, budget))
+    }
+
+    fn halves(&self, window: Window) -> Option<[Window; 2]> {
+        Whole::halves(self, window)
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::LISTS_BESIDE
+    }
+
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        render(self, cloud, buffers, work)
+    }
+}
+
+impl<S: Whole> Explain for S {
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        disc_bytes(pass, &self.discs()).or_else(|| Whole::least_bytes(self, pass))
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        explain(plan, self.passes(), self.order());
+    }
+}
+
 /// Returns bytes per pixel of a window that are in use before its splats are binned.
 pub(super) fn counted_bytes(frame: &Frame) -> u64 {
     if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES }
@@ -78,17 +151,7 @@ pub(super) fn render(
     let (pixels, max_color) = (bands::pixels(window), cloud.max_color(&how));
     let mut counted_bytes = pixels * stage.used_bytes(frame);
     if frame.fragments {
-        let stop = sorted::stop(frame.stop, frame.color, max_color);
-        let lists = abuffer::WindowJob {
-            raster,
-            discs,
-            storing: &abuffer::Slots,
-            stop,
-            shown: abuffer::Shown::First,
-            budget,
-            samples: None,
-        };
-        if resources.lists.tally(work, &lists)? == Outcome::Overflow {
+        if resources.lists.tally(work, raster)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
         counted_bytes += pixels * abuffer::PIXEL_BYTES;
@@ -102,9 +165,43 @@ pub(super) fn render(
     Ok(outcome)
 }
 
-/// List lengths of the window that was counted last, if the frame asks for them.
-pub(super) fn counts(buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-    buffers.resources.lists.counts(frame, window)
+/// Bins the splats of a window, hands its tiles to `draw`, which records their pixels or finds that the window must be
+/// cut (`None`), and copies the window to the host. The smallest window takes `small` bytes beside those of the tiles.
+pub(super) fn blend<'a, 'w: 'a>(
+    bins: &'a mut Bins,
+    work: &mut Work<'w>,
+    (bin, small): (&bin::Job<'_>, u64),
+    name: &str,
+    draw: impl FnOnce(&'a Bins, &mut Work<'w>, Binned) -> Result<Option<Recorder<'a>>, Error>,
+) -> Result<Outcome, Error> {
+    let (device, target, pixels) = (work.device, work.target, work.pixels());
+    let mut recorder;
+    match bins.bin(device, bin, work.timeline).map_err(|error| beside(error.into(), small))? {
+        Bin::TooLarge => return Ok(Outcome::Overflow),
+        Bin::Nothing => {
+            recorder = work.timeline.recorder(device)?;
+            target.pixels().record_nothing(&mut recorder, work.window)?;
+        }
+        Bin::Done(binned) => {
+            work.note_binned(binned);
+            let Some(drawn) = draw(bins, work, binned)? else { return Ok(Outcome::Overflow) };
+            recorder = drawn;
+            work.facts.bands += 1;
+        }
+    }
+    target.record_read_back(&mut recorder, pixels)?;
+    work.timeline.submit(recorder, name)?;
+    Ok(Outcome::Done)
+}
+
+/// Returns an error whose budget leaves room for `more` bytes besides.
+fn beside(error: Error, more: u64) -> Error {
+    match error {
+        Error::SortOverBudget { points, needed, available, .. } => {
+            Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed + more) }
+        }
+        other => other,
+    }
 }
 
 /// The stages that go through tiles of ordered splats.
@@ -139,13 +236,8 @@ pub(super) fn stage_group() -> PassGroup {
     PassGroup::new(&STAGES, Absent::Discs("this frame processes tiles of splats by other passes, or has none"))
 }
 
-/// The plan of a frame of one of these stages: the sort of splats, the stage, and the counting of lists.
-pub(super) fn explain(plan: &mut Plan<'_>, name: &'static str, order: Order) {
-    explain_stages(plan, &[name], order);
-}
-
-/// The plan of a frame of several stages, one after the other.
-pub(super) fn explain_stages(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
+/// The plan of a frame of stages, one after the other: the sort of splats, the stages, and the counting of lists.
+fn explain(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     let counters = if plan.seen() { plan.order(order, why) } else { 0 };

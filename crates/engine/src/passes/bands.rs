@@ -1,7 +1,5 @@
 //! Cutting the image so that any scene fits: windows of pixels whose counters fit, bands of pixels whose fragments fit.
 
-use crate::passes::tiles;
-
 /// A rectangle of pixels: first column, first row, one past the last column and row.
 pub type Window = [u32; 4];
 
@@ -32,7 +30,7 @@ pub fn within(window: Window, region: Window) -> Option<Window> {
 }
 
 /// Side of a tile in pixels.
-const TILE: u32 = tiles::TILE;
+pub const TILE: u32 = 16;
 
 /// Like [`windows`], but made of whole tiles of the image as long as one fits, so that tiles don't depend on the cut.
 pub fn tile_windows(size: [u32; 2], capacity: u64) -> Vec<Window> {

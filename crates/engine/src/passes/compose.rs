@@ -3,8 +3,8 @@
 use super::Error;
 use crate::choices::Choices;
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
-use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
-use crate::scene::Falloff;
+use crate::passes::project::{DISCS, DeviceCloud, Footprint, Shaded, Splat, Tilt, View};
+use crate::scene::{ColorSpace, Falloff};
 use crate::{choices, group};
 
 /// Division of per-splat buffers so that one pass reaches every splat: 1 or 4 parts of `len` splats.
@@ -94,6 +94,41 @@ impl<'a> Composing<'a> {
     }
 }
 
+/// Fragments that may be left out at the back of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub enum Stop {
+    /// Fragments that change no bit of the image.
+    #[default]
+    Exact,
+    /// Fragments that change no 8-bit value of the composed image by more than a quarter of a step.
+    EightBit {
+        /// `true` if the image goes without background, so that color is divided by A.
+        transparent: bool,
+    },
+}
+
+/// Values of `STOP` in WGSL.
+pub(crate) const STOP_NEVER: u32 = 0;
+pub(crate) const STOP_EXACT: u32 = 1;
+pub(crate) const STOP_SRGB: u32 = 2;
+pub(crate) const STOP_ENCODED: u32 = 3;
+/// Values of `STOP` with an early end.
+pub(crate) const STOPS: [u32; 3] = [STOP_EXACT, STOP_SRGB, STOP_ENCODED];
+
+/// Returns the value of `STOP` in WGSL, and the bound on colors that goes with it, from that of what is blended.
+pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
+    match stop {
+        Stop::Exact => (STOP_EXACT, most),
+        Stop::EightBit { transparent } => {
+            // The background may come behind. Without one, C / A moves by at most T (m + 1) / A, and A is above 0.9
+            // here.
+            let most = most.max(1.0);
+            let most = if transparent { (most + 1.0) * 1.2 } else { most };
+            (if space == ColorSpace::Linear { STOP_SRGB } else { STOP_ENCODED }, most)
+        }
+    }
+}
+
 /// Returns the variant of a stage that composes.
 pub fn variant(cut: Cut, footprint: Footprint, falloff: Falloff) -> Variant {
     cut.apply_to(shape_variant(footprint, falloff))
@@ -110,7 +145,12 @@ pub fn shape_variant(footprint: Footprint, falloff: Falloff) -> Variant {
 }
 
 /// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 1] = [("FALLOFF_GAUSSIAN", Falloff::Gaussian as u32)];
+pub(crate) const CONSTANTS: [(&str, u32); 4] = [
+    ("FALLOFF_GAUSSIAN", Falloff::Gaussian as u32),
+    ("STOP_NEVER", STOP_NEVER),
+    ("STOP_EXACT", STOP_EXACT),
+    ("STOP_SRGB", STOP_SRGB),
+];
 
 choices!(
     enum Falloff {
@@ -126,6 +166,18 @@ impl Choices for Cut {
     }
 }
 
+impl Shaded {
+    /// Returns the variant of a shader that reads points in parts.
+    pub(crate) fn cut(self, cut: Cut) -> Variant {
+        cut.apply_to(self.variant())
+    }
+
+    /// Returns the variants of such a shader.
+    pub(crate) fn cut_variants() -> Vec<Variant> {
+        <(Self, Cut)>::all().into_iter().map(|(shaded, cut)| shaded.cut(cut)).collect()
+    }
+}
+
 /// Returns the discs, and all falloffs, as [`shape_variant`] has them.
 pub(crate) fn shape_variants() -> Vec<Variant> {
     let falloffs = || Falloff::all().into_iter();
@@ -134,6 +186,28 @@ pub(crate) fn shape_variants() -> Vec<Variant> {
 
 /// Returns the discs, all falloffs and cuts, as [`variant`] has them.
 pub(crate) fn variants() -> Vec<Variant> {
+    variants_of(&DISCS)
+}
+
+/// Returns some footprints, all falloffs and cuts, as [`variant`] has them.
+pub(crate) fn variants_of(footprints: &[Footprint]) -> Vec<Variant> {
     let choices = || <(Cut, Falloff)>::all().into_iter();
-    DISCS.iter().flat_map(|disc| choices().map(move |(cut, falloff)| variant(cut, *disc, falloff))).collect()
+    footprints.iter().flat_map(|shape| choices().map(move |(cut, falloff)| variant(cut, *shape, falloff))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stopping_knows_what_may_still_come() {
+        use ColorSpace::{Encoded, Linear};
+        assert_eq!(stop(Stop::Exact, Linear, 0.25), (1, 0.25));
+        assert_eq!(stop(Stop::Exact, Encoded, 1.0), (1, 1.0));
+        // The background may be white.
+        assert_eq!(stop(Stop::EightBit { transparent: false }, Linear, 0.25), (2, 1.0));
+        assert_eq!(stop(Stop::EightBit { transparent: false }, Encoded, 3.0), (3, 3.0));
+        assert_eq!(stop(Stop::EightBit { transparent: true }, Linear, 0.25), (2, 2.4));
+        assert_eq!(stop(Stop::EightBit { transparent: true }, Encoded, 1.5), (3, 3.0));
+    }
 }

@@ -7,7 +7,7 @@
 use super::scan::Scan;
 use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants: records, how they are cut, and the digit.
@@ -16,28 +16,20 @@ gpu_struct! {
         runs: u32,
         run_length: u32,
         shift: u32,
-        mask: u32,
+        mask: u32, // Values of a digit, less one.
     }
 }
 
 pass! {
     /// Counts the records of each run by their digit, straight into their counters or in the memory of a workgroup
     /// first (`radix/count_group`), whichever the device prefers; runs once for each digit.
-    pub Count(RadixPush) = "radix/count" {
-        records: Read<[u32; 2]>,
-        counts: ReadWrite<u32>,
-    }
-}
-
-pass! {
+    pub Count(RadixPush) = "radix/count",
     /// Counts the records of each run by their digit, in the memory of the run's workgroup first.
     pub CountGroup(RadixPush) = "radix/count" in "radix/count_group" {
         records: Read<[u32; 2]>,
         counts: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Moves each record to its place among those of its digit: one subgroup per run, in order; runs once for each
     /// digit.
     pub Scatter(RadixPush) = "radix/scatter" {
@@ -96,25 +88,17 @@ impl Digits {
     }
 }
 
-/// Buffers of a sort, kept from frame to frame.
-pub struct Radix {
-    counts: Kept<u32>,
-    cursors: Kept<u32>,
-    scan: Option<Scan>,
-    overflow: Buffer<u32>,
+fields! {
+    /// Buffers of a sort, kept from frame to frame.
+    pub struct Radix by device {
+        counts: Kept<u32> = Kept::new("digit counts", Memory::Device),
+        cursors: Kept<u32> = Kept::new("digit cursors", Memory::Device),
+        scan: Option<Scan> = None,
+        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+    }
 }
 
 impl Radix {
-    /// No buffers but the small one yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            counts: Kept::new("digit counts", Memory::Device),
-            cursors: Kept::new("digit cursors", Memory::Device),
-            scan: None,
-            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
-        })
-    }
-
     /// Returns the number of device bytes of a sort of so many records, the records themselves not counted.
     pub fn bytes(device: &Device, records: u64) -> u64 {
         let counters = counters(device, records);

@@ -8,16 +8,21 @@ use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Targets, Var
 use crate::{gpu_struct, group};
 
 gpu_struct! {
-    /// Push constants of a stage that visits splats; shaders/shared/raster.wgsl explains the members.
+    /// Push constants of a stage that visits splats.
     pub struct RasterPush {
-        count: u32,
-        first: u32,
-        band_start: u32,
+        count: u32, // Splats of this chunk.
+        first: u32, // Index of the chunk's first splat among all.
+        band_start: u32, // The band of pixels in work: [band_start, band_end) in the order of window_index.
         band_end: u32,
-        first_fragment: u32,
-        first_tile: u32,
+        first_fragment: u32, // The band's first fragment among the window's.
+        first_tile: u32, // The tiles that meet the band, and segments of their splats.
         tiles: u32,
         segments: u32,
+    }
+
+    /// Push constants: a number of elements.
+    pub struct CountPush {
+        count: u32,
     }
 }
 
@@ -48,9 +53,7 @@ group! {
         /// Depths of the chunk's splats.
         splat_depths: Read<f32>,
     }
-}
 
-group! {
     /// Bindings of a stage that draws a chunk's splats into attachments.
     pub Quads as QuadsGroup {
         /// The camera.
@@ -115,32 +118,7 @@ impl<'a> Raster<'a> {
         band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
-        self.record_visits(recorder, (band, SEGMENT), stage, None, |variant| variant)
-    }
-
-    /// Records a stage as [`Self::record`] does, in a variant with more overrides. A workgroup walks `segment` large
-    /// splats of a tile, at most [`SEGMENT`].
-    pub fn record_variant<P: Pass<Push = RasterPush> + 'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        band: &Band,
-        stage: impl Fn(Chunk<'a>) -> P,
-        segment: u32,
-        with: impl Fn(Variant) -> Variant,
-    ) -> Result<(), Error> {
-        self.record_visits(recorder, (band, segment), stage, None, with)
-    }
-
-    /// Records a stage as [`Self::record`] does, but with the sizes of its dispatches or draws from a buffer: as many
-    /// records of four words as [`Self::arguments`] has.
-    pub fn record_indirect<P: Pass<Push = RasterPush> + 'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        band: &Band,
-        stage: impl Fn(Chunk<'a>) -> P,
-        arguments: Slice<'a, u32>,
-    ) -> Result<(), Error> {
-        self.record_visits(recorder, (band, SEGMENT), stage, Some(arguments), |variant| variant)
+        self.record_with(recorder, (band, SEGMENT), stage, None, |variant| variant)
     }
 
     /// Indirect arguments of a stage's dispatches or draws, in order; without workgroups or vertices where the first
@@ -183,7 +161,10 @@ impl<'a> Raster<'a> {
         Ok(())
     }
 
-    fn record_visits<P: Pass<Push = RasterPush> + 'a>(
+    /// Records a stage as [`Self::record`] does, in a variant that `with` adds overrides to. A workgroup walks
+    /// `segment` large splats of a tile, at most [`SEGMENT`]. With `arguments` the sizes of dispatches or draws are
+    /// there: as many records of four words as [`Self::arguments`] has.
+    pub fn record_with<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         (band, segment): (&Band, u32),

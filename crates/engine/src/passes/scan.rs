@@ -15,7 +15,6 @@ pub(crate) const CONSTANTS: [(&str, u32); 2] = [("SCAN_RUN", SCAN_RUN as u32), (
 gpu_struct! {
     /// Push constants: how many elements.
     pub struct ScanPush {
-        /// Elements.
         count: u32,
     }
 }
@@ -23,34 +22,17 @@ gpu_struct! {
 pass! {
     /// Sums runs of counters, level by level: of 64 by an invocation each, or of 2048 by a workgroup each
     /// (`scan/reduce_group`), whichever the device prefers. A carry out of 32 bits sets the overflow flag.
-    pub Reduce(ScanPush) = "scan/reduce" {
-        values: Read<u32>,
-        sums: ReadWrite<u32>,
-        overflow: ReadWrite<u32>,
-    }
-}
-
-pass! {
+    pub Reduce(ScanPush) = "scan/reduce",
     /// Sums runs of 2048 counters, each by a workgroup.
     pub ReduceGroup(ScanPush) = "scan/reduce" in "scan/reduce_group" {
         values: Read<u32>,
         sums: ReadWrite<u32>,
         overflow: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Writes the prefix sums of each run from the level above, over the same runs as `scan/reduce`. It serves pixels,
     /// tiles of large splats, digits and tiles of ordered splats, and so does `scan/reduce`.
-    pub Spread(ScanPush) = "scan/spread" {
-        values: Read<u32>,
-        starts: Read<u32>,
-        offsets: ReadWrite<u32>,
-        overflow: ReadWrite<u32>,
-    }
-}
-
-pass! {
+    pub Spread(ScanPush) = "scan/spread",
     /// Writes the prefix sums of each run of 2048, each by a workgroup.
     pub SpreadGroup(ScanPush) = "scan/spread" in "scan/spread_group" {
         values: Read<u32>,

@@ -1,14 +1,14 @@
 //! Large splats by tile: which of them meet each tile of 16 × 16 pixels of the window, chunk by chunk.
 
+pub use super::bands::TILE;
+
 use super::bands::Window;
 use super::project::{Bounds, DeviceCloud, Stats, View};
 use super::scan::Scan;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice};
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
-/// Side of a tile in pixels.
-pub const TILE: u32 = 16;
 /// Large splats of a tile that one workgroup walks; `SEGMENT` in WGSL.
 pub const SEGMENT: u32 = 4096;
 
@@ -29,9 +29,7 @@ pass! {
         stats: Read<Stats>,
         counts: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Stores the large splats of each tile in its list, from the same pairs as `tiles/count`.
     pub TileStore(TilePush) = "tiles/store" {
         view: Uniform<View>,
@@ -49,29 +47,19 @@ pub fn grid([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)]
 }
 
-/// Buffers of tiles, kept from frame to frame.
-pub struct Tiles {
-    pair_offsets: Kept<u32>,
-    cursors: Kept<u32>,
-    starts: Kept<u32>,
-    entries: Kept<u32>,
-    scan: Option<Scan>,
-    overflow: Buffer<u32>,
+fields! {
+    /// Buffers of tiles, kept from frame to frame.
+    pub struct Tiles by device {
+        pair_offsets: Kept<u32> = Kept::new("tile pair offsets", Memory::Device),
+        cursors: Kept<u32> = Kept::new("tile cursors", Memory::Device),
+        starts: Kept<u32> = Kept::new("tile starts", Memory::Device),
+        entries: Kept<u32> = Kept::new("tile entries", Memory::Device),
+        scan: Option<Scan> = None,
+        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+    }
 }
 
 impl Tiles {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            pair_offsets: Kept::new("tile pair offsets", Memory::Device),
-            cursors: Kept::new("tile cursors", Memory::Device),
-            starts: Kept::new("tile starts", Memory::Device),
-            entries: Kept::new("tile entries", Memory::Device),
-            scan: None,
-            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
-        })
-    }
-
     /// Returns the number of device bytes that the tiles of these splats take in a window.
     pub fn bytes(stats: &[Stats], window: Window) -> u64 {
         let pairs: u64 = stats.iter().map(Stats::tiles).sum();

@@ -6,6 +6,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{Applied, End, apply, factor};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::ensembles::{Dealt, deal};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Brightness, ColorSpace, Discs, Method, Spbr, SpbrSimplified};
@@ -36,7 +37,7 @@ fn simplified(ensembles: u32, brightness: Brightness) -> Method {
 /// The image as it is rendered, as it is after brightening, and what was done.
 fn brightened(device: &Device, dealt: &Dealt, frame: &Frame) -> (Image, Image, Option<Applied>) {
     let mut renderer = Renderer::new(device).unwrap();
-    let mut cloud = renderer.upload_dealt(dealt).unwrap();
+    let mut cloud = renderer.upload(&Arranged::Dealt(dealt.clone())).unwrap();
     let image = renderer.render(&mut cloud, frame).unwrap().image;
     let mut bright = image.clone();
     let applied = apply(&mut renderer, &mut cloud, frame, &mut bright).unwrap();

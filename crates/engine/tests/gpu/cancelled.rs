@@ -87,7 +87,7 @@ fn watched(device: &Device, frame: &Frame) -> (Renderer, Watch, Arranged) {
 /// The frame's bytes; `None` if the device cannot render it.
 fn fresh(device: &Device, frame: &Frame) -> Option<Vec<u32>> {
     let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload_arranged(&arranged(frame)).expect("fits");
+    let mut cloud = renderer.upload(&arranged(frame)).expect("fits");
     match renderer.render(&mut cloud, frame) {
         Ok(rendered) => Some(bits(&rendered.image)),
         Err(error @ (Error::NoSubgroups { .. } | Error::NoHardwareRaster { .. })) => {
@@ -105,7 +105,7 @@ fn a_cancelled_frame_ends_at_once_and_leaves_nothing_behind() {
             let Some(wanted) = fresh(device, &frame) else { continue };
             let name = frame.method.name();
             let (mut renderer, watch, arranged) = watched(device, &frame);
-            let upload = |renderer: &Renderer| renderer.upload_arranged(&arranged).expect("fits");
+            let upload = |renderer: &Renderer| renderer.upload(&arranged).expect("fits");
             for steady in [false, true] {
                 // A cloud of its own: its shadows are found under way, unless it is steady.
                 let mut cloud = upload(&renderer);
@@ -164,7 +164,7 @@ fn a_renderer_asks_before_every_submission() {
                 continue;
             }
             let (mut renderer, watch, arranged) = watched(device, &frame);
-            let mut cloud = renderer.upload_arranged(&arranged).expect("fits");
+            let mut cloud = renderer.upload(&arranged).expect("fits");
             // Points, shadows and orders come to the device with the first frame.
             renderer.render(&mut cloud, &frame).expect("renders");
             renderer.forget();
@@ -185,7 +185,7 @@ fn a_survey_can_be_cancelled() {
     with_device(|device| {
         let frame = frame(perspective(), [60, 44], Method::ABuffer(Default::default()));
         let (mut renderer, watch, arranged) = watched(device, &frame);
-        let mut cloud = renderer.upload_arranged(&arranged).expect("fits");
+        let mut cloud = renderer.upload(&arranged).expect("fits");
         let wanted = renderer.survey(&mut cloud, &frame).expect("counts");
         for question in 0..watch.asked() {
             watch.cancel_at(question);

@@ -3,6 +3,7 @@
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::ensembles::deal;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Edl, Method, Shading};
@@ -24,7 +25,7 @@ fn colors_that_stay_are_those_that_come() {
     with_device(|device| {
         let (mut renderer, mut cloud) = leaving(device);
         let points = scene(&soup(31, 400, 0.02..0.1, 0.1..0.9, false));
-        let mut dealt = renderer.upload_dealt(&deal(vec![points], 1, &Progress::hidden())).expect("fits");
+        let mut dealt = renderer.upload(&Arranged::Dealt(deal(vec![points], 1, &Progress::hidden()))).expect("fits");
         let mut brightened = 0;
         for method in Method::all() {
             let frame = frame(perspective(), SIZE, method);

@@ -381,7 +381,7 @@ fn the_same_bytes_in_any_memory_and_from_any_order() {
             places.shuffle(&mut random(1));
             let shuffled = order::canonical(points.subset(&places, 1.0));
             assert!(bits_of(&deep_of(device, &shuffled, &frame, State::Tidy)) == bits_of(&whole), "{}", method.name());
-            let mut supplied = renderer.supply_held(&Arc::new(points)).expect("small buffers");
+            let mut supplied = by_windows(&renderer, &Arc::new(points));
             let small = Frame { memory_budget: Some(1 << 20), ..frame };
             let parts = taken(&mut renderer, &mut supplied, &small, State::Tidy).expect("samples");
             assert!(bits_of(&parts) == bits_of(&whole), "{} window by window", method.name());

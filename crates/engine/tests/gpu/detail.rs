@@ -7,12 +7,12 @@ use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::io::store::build::Settings;
-use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer, Upload};
 use pellucid_engine::prepare::{self, Arranged, Request};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::stored::{Stored, open_stores};
 use pellucid_engine::scene::{self, Detail, Discs, Light, Method, Scene, ScreenSplats, Shading, ShadingModel, Shadows};
-use pellucid_testing::{bits, frame, perspective, scene as points_of, soup, with_device};
+use pellucid_testing::{bits, by_windows, frame, perspective, scene as points_of, soup, with_device};
 
 /// Points of a cloud of the tests with radii, as a store whose nodes have few points; and the same in memory.
 fn both(folder: &Path) -> (Scene, Arranged, Stored) {
@@ -35,7 +35,7 @@ fn both(folder: &Path) -> (Scene, Arranged, Stored) {
 
 fn rendered(device: &Device, arranged: &Arranged, frame: &Frame) -> Result<Rendered, Error> {
     let mut renderer = Renderer::new(device)?;
-    let mut cloud = renderer.upload_for(&frame.detail, arranged, None)?;
+    let mut cloud = renderer.upload(Upload::with_detail(arranged, &frame.detail))?;
     renderer.render(&mut cloud, frame)
 }
 
@@ -133,7 +133,7 @@ fn other_cameras_have_other_cuts_and_points_on_the_device_have_none() {
     let points = Arc::new(points_of(&soup(41, 20_000, 0.002..0.02, 0.1..0.9, true)));
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
-        let mut cloud = renderer.supply_held(&points).expect("small buffers");
+        let mut cloud = by_windows(&renderer, &points);
         let near = perspective();
         let mut far = near;
         far.eye -= 20.0 * far.forward;
@@ -152,7 +152,7 @@ fn other_cameras_have_other_cuts_and_points_on_the_device_have_none() {
         let whole = Frame { detail: Detail::default(), ..of(near) };
         let all = renderer.render(&mut cloud, &whole).expect("a frame");
         assert_eq!(all.facts.points, 20_000);
-        let mut resident = renderer.upload(&points).expect("room");
+        let mut resident = renderer.upload(&*points).expect("room");
         assert_eq!(bits(&renderer.render(&mut resident, &whole).expect("a frame").image), bits(&all.image));
         assert!(matches!(renderer.render(&mut resident, &of(near)), Err(Error::NoLevels)));
         let nothing = Frame { detail: spacing(1e9), ..of(near) };
@@ -173,7 +173,7 @@ fn shadows_are_cast_by_the_points_of_the_level() {
     };
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
-        let mut cloud = renderer.upload_arranged(&stored.arranged()).expect("small buffers");
+        let mut cloud = renderer.upload(&stored.arranged()).expect("small buffers");
         // The images of the light are those of the level before, until they are made anew.
         for detail in [spacing(12.0), Detail::default(), spacing(12.0), spacing(3.0)] {
             let frame = Frame { detail, ..lit };

@@ -11,6 +11,7 @@ use pellucid_engine::methods::spbr::Form;
 use pellucid_engine::methods::{DrawnPart, Error, Frame, PartError, Renderer, SamplePart, SampleSteps};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::ensembles::Dealt;
 use pellucid_engine::scene::{
     DiscShape, Discs, Light, Method, Raster, Shading, ShadingModel, Spbr, SpbrSimplified, Stochastic,
@@ -125,7 +126,7 @@ fn compare(ranks: &mut [Rank], frame: &Frame, what: &str) {
 }
 
 fn dealt_ranks(device: &Device, list: &Dealt, budgets: &[Option<u64>]) -> Vec<Rank> {
-    let upload = |renderer: &Renderer| renderer.upload_dealt(list).expect("fits");
+    let upload = |renderer: &Renderer| renderer.upload(&Arranged::Dealt(list.clone())).expect("fits");
     budgets.iter().map(|budget| Rank::new(device, upload, *budget)).collect()
 }
 
@@ -264,7 +265,7 @@ fn parts_of_samples_of_the_rasteriser_are_the_whole() {
 fn parts_of_samples_of_points_that_come_window_by_window_are_the_whole() {
     with_device(|device| {
         let points = Arc::new(crowd());
-        let upload = |renderer: &Renderer| renderer.supply_held(&points).expect("small buffers");
+        let upload = |renderer: &Renderer| by_windows(renderer, &points);
         let mut ranks: Vec<Rank> = [None, Some(900_000)].map(|budget| Rank::new(device, upload, budget)).into();
         let frame = frame(perspective(), [150, 100], stochastic(Discs::default(), 40, true));
         compare(&mut ranks, &frame, "supplied");

@@ -7,7 +7,7 @@ use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Discs, Edl, Method, Shading};
-use pellucid_testing::{bits, frame, perspective, scene, soup, with_device};
+use pellucid_testing::{bits, by_windows, frame, perspective, scene, soup, with_device};
 
 const SIZE: [u32; 2] = [160, 112];
 
@@ -94,7 +94,7 @@ fn clouds_that_come_window_by_window_bring_what_a_region_shows() {
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
         let whole = frame(perspective(), SIZE, Method::ABuffer(Discs::default()));
-        let mut supplied = renderer.supply_held(&points).expect("small buffers");
+        let mut supplied = by_windows(&renderer, &points);
         let expected = renderer.render(&mut supplied, &whole).expect("a frame").image;
         let mut found = expected.clone();
         found.rgba.fill([-1.0; 4]);

@@ -529,11 +529,7 @@ fn the_comparison_of_steps_notices_what_a_quarter_of_a_step_is() {
         height: 1,
         rgba: vec![[value, value, value, 1.0]],
         depth: vec![1.0],
-        depth_median: None,
-        depth_mean: None,
-        fragments: None,
-        layers: None,
-        stderr: None,
+        ..Image::default()
     };
     let dark = 1.0 / 255.0 / 12.92;
     let apart =

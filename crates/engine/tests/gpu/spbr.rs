@@ -11,6 +11,7 @@ use pellucid_engine::methods::spbr::Form;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan::plan;
 use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
 use pellucid_engine::reference::range::ROUNDING;
 use pellucid_engine::reference::spbr::{self as reference, Ranges};
@@ -79,7 +80,7 @@ pub(crate) fn dealt(clouds: &[(Points, f64)]) -> Dealt {
 }
 
 fn render_on(renderer: &mut Renderer, dealt: &Dealt, frame: &Frame) -> Rendered {
-    let mut cloud = renderer.upload_dealt(dealt).expect("fits");
+    let mut cloud = renderer.upload(&Arranged::Dealt(dealt.clone())).expect("fits");
     renderer.render(&mut cloud, frame).expect("renders")
 }
 
@@ -373,7 +374,7 @@ fn a_cloud_may_change_between_the_device_and_the_host() {
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
         let list = planes(12, &[(100_000, 4.0)], true);
-        let mut cloud = renderer.upload_dealt(&list).expect("fits");
+        let mut cloud = renderer.upload(&Arranged::Dealt(list.clone())).expect("fits");
         let all = frame(camera(4.0, true), SIZE, method(9));
         let frames = [None, Some(3 << 20), Some(3 << 20), None].map(|memory_budget| Frame { memory_budget, ..all });
         let point = 64 * 100_000;
@@ -560,7 +561,7 @@ fn the_plan_lists_the_passes_that_run() {
         let lambert = Shading { model: ShadingModel::Lambert, light: Light::Headlight, ..Shading::default() };
         for (shading, distance) in [(Shading::NONE, 2.2), (lambert, 2.2), (Shading::NONE, 20.0)] {
             let frame = Frame { shading, ..frame(camera(distance, true), SIZE, method(9)) };
-            let mut cloud = renderer.upload_dealt(&list).expect("fits");
+            let mut cloud = renderer.upload(&Arranged::Dealt(list.clone())).expect("fits");
             let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
             let steps = plan(device, &frame, &surveyed, renderer.switches.wide_atomics, "asked for");
             let found = renderer.render(&mut cloud, &frame).expect("renders");
@@ -581,16 +582,17 @@ fn points_that_were_not_dealt_are_refused_and_other_methods_take_dealt_ones() {
         let mut renderer = Renderer::new(device).expect("a renderer");
         let list = mixture(6);
         let frame = frame(perspective(), SIZE, method(3));
-        let mut plain = renderer.upload(&list.points).expect("fits");
+        let mut plain = renderer.upload(&*list.points).expect("fits");
         assert!(matches!(renderer.render(&mut plain, &frame), Err(Error::NotDealt)));
-        let mut cloud = renderer.upload_dealt(&list).expect("fits");
+        let mut cloud = renderer.upload(&Arranged::Dealt(list.clone())).expect("fits");
         renderer.render(&mut cloud, &frame).expect("renders");
         for method in [Method::Points, Method::ABuffer(Default::default())] {
             let frame = Frame { method, ..frame };
             let found = renderer.render(&mut cloud, &frame).expect("renders").image;
             assert!(bits(&found) == bits(&renderer.render(&mut plain, &frame).expect("renders").image));
         }
-        let empty = renderer.upload_dealt(&Dealt::default()).map(|mut cloud| renderer.render(&mut cloud, &frame));
+        let empty =
+            renderer.upload(&Arranged::Dealt(Dealt::default())).map(|mut cloud| renderer.render(&mut cloud, &frame));
         let image = empty.expect("uploads").expect("renders").image;
         assert!(image.rgba.iter().all(|c| *c == [0.0; 4]) && image.depth.iter().all(|z| z.is_infinite()));
     });

@@ -13,7 +13,7 @@ use pellucid_engine::prepare::{self, Arranged, Request};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::stored::{Stored, open_stores};
 use pellucid_engine::scene::{self, Method, Overrides, Scene};
-use pellucid_testing::{bits, random, with_device};
+use pellucid_testing::{bits, by_windows, random, with_device};
 use rand::RngExt;
 
 /// Nodes of few points, and less memory than a cloud takes.
@@ -80,7 +80,7 @@ fn both(text: &str, method: &Method) -> (Scene, Arranged, Stored) {
 
 fn rendered(device: &Device, arranged: &Arranged, frame: &Frame) -> Result<Rendered, String> {
     let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload_arranged(arranged).map_err(|error| error.to_string())?;
+    let mut cloud = renderer.upload(arranged).map_err(|error| error.to_string())?;
     renderer.render(&mut cloud, frame).map_err(|error| error.to_string())
 }
 
@@ -255,7 +255,7 @@ fn splats_in_memory_come_window_by_window() {
     with_device(|device| {
         let expected = rendered(device, &whole, &frame).expect("a frame");
         let mut renderer = Renderer::new(device).expect("a renderer");
-        let mut cloud = renderer.supply_held(points).expect("small buffers");
+        let mut cloud = by_windows(&renderer, points);
         let small = Frame { memory_budget: Some(DEVICE), ..frame };
         let found = renderer.render(&mut cloud, &small).expect("a frame");
         assert!(bits(&found.image) == bits(&expected.image) && found.facts.windows > 1);
@@ -484,7 +484,7 @@ fn shadows_are_cast_by_all_points_of_stores() {
     let dark = Frame { shadows: None, ..lit };
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
-        let mut cloud = renderer.upload_arranged(&stored.arranged()).expect("small buffers");
+        let mut cloud = renderer.upload(&stored.arranged()).expect("small buffers");
         let images = [lit, other, dark, lit].map(|frame| {
             let expected = rendered(device, &whole, &frame).expect("a frame");
             let small = Frame { memory_budget: Some(ROOMY), ..frame };

@@ -6,7 +6,7 @@ use glam::DVec3;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
-use pellucid_testing::{bits, frame, perspective, scene, soup, with_device};
+use pellucid_testing::{bits, by_windows, frame, perspective, scene, soup, with_device};
 
 /// Points with normals and fields: many times as many as come at a time.
 fn points() -> Arc<Points> {
@@ -23,11 +23,11 @@ fn every_method_renders_the_same_bytes_window_by_window() {
         let mut differ = Vec::new();
         for method in Method::all().into_iter().filter(|method| !method.is_dealt()) {
             let whole = Frame { fragments: true, ..frame(perspective(), [160, 120], method) };
-            let mut cloud = renderer.upload(&points).expect("room for the points");
+            let mut cloud = renderer.upload(&*points).expect("room for the points");
             let expected = renderer.render(&mut cloud, &whole).expect("a frame");
             // Room for some 30,000 points.
             let small = Frame { memory_budget: Some(9 << 20), ..whole };
-            let mut supplied = renderer.supply_held(&points).expect("small buffers");
+            let mut supplied = by_windows(&renderer, &points);
             for pass in 0..2 {
                 match renderer.render(&mut supplied, &small) {
                     Ok(found) => {
@@ -76,11 +76,11 @@ fn points_without_normals_find_their_shares_of_light_window_by_window() {
         let mut renderer = Renderer::new(device).expect("a renderer");
         for method in Method::all().into_iter().filter(|method| method.name() == "circles") {
             let whole = Frame { shading, shadows, ..frame(perspective(), [160, 120], method) };
-            let mut cloud = renderer.upload(&points).expect("room for the points");
+            let mut cloud = renderer.upload(&*points).expect("room for the points");
             let expected = renderer.render(&mut cloud, &whole).expect("a frame");
             let unlit = renderer.render(&mut cloud, &Frame { shadows: None, ..whole }).expect("a frame");
             assert!(bits(&expected.image) != bits(&unlit.image), "there are shadows");
-            let mut supplied = renderer.supply_held(&points).expect("small buffers");
+            let mut supplied = by_windows(&renderer, &points);
             let small = Frame { memory_budget: Some(9 << 20), ..whole };
             let found = renderer.render(&mut supplied, &small).expect("a frame");
             assert!(found.facts.windows > 1 && bits(&found.image) == bits(&expected.image));

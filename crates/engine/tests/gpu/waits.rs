@@ -32,7 +32,7 @@ fn a_steady_frame_waits_once() {
     with_device(|device| {
         for method in Method::all() {
             let mut renderer = Renderer::new(device).expect("a renderer");
-            let mut cloud = renderer.upload_arranged(&arranged(&method)).expect("fits");
+            let mut cloud = renderer.upload(&arranged(&method)).expect("fits");
             for fragments in [false, true] {
                 let frame = Frame { fragments, ..frame(perspective(), [64, 48], method) };
                 let mut render = || renderer.render(&mut cloud, &frame).expect("renders").profile.waits;
@@ -79,11 +79,11 @@ fn what_is_foreseen_changes_no_byte() {
                 let mut renderer = Renderer::new(device).expect("a renderer");
                 // Without times barriers stand only where they must.
                 renderer.timed = fragments;
-                let mut cloud = renderer.upload_arranged(&arranged).expect("fits");
+                let mut cloud = renderer.upload(&arranged).expect("fits");
                 for (number, distance) in distances.into_iter().enumerate() {
                     let frame = Frame { fragments, ..frame(from(distance), [64, 48], method) };
                     let mut alone = Renderer::new(device).expect("a renderer");
-                    let mut fresh = alone.upload_arranged(&arranged).expect("fits");
+                    let mut fresh = alone.upload(&arranged).expect("fits");
                     let wanted = alone.render(&mut fresh, &frame).expect("renders");
                     let found = renderer.render(&mut cloud, &frame).expect("renders");
                     assert!(bytes(&found) == bytes(&wanted), "{name}, frame {number} from {distance}: other bytes");

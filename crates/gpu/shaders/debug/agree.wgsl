@@ -2,32 +2,13 @@
 // of words that aren't, and place, word and count of up to TOLD of them. Recorded in debug builds alone.
 #import dispatch
 
-struct Push {
-    count: u32,
-    // Where the words of each binding begin.
-    stored_first: u32,
-    ends_first: u32,
-    counts_first: u32,
-    // Below BELOW: the same as ends; BELOW: as much below ends as counts says; above: value.
-    mode: u32,
-    value: u32,
-    // Words from one that counts to the next.
-    stride: u32,
-}
-
 @group(0) @binding(0) var<storage, read_write> found: array<atomic<u32>>;
 @group(0) @binding(1) var<storage, read> stored: array<u32>;
 @group(0) @binding(2) var<storage, read> ends: array<u32>;
 @group(0) @binding(3) var<storage, read> counts: array<u32>;
-var<immediate> push: Push;
+#push
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = invocation_index(workgroup, groups, local);
+#main i {
     if i >= push.count {
         return;
     }

@@ -7,7 +7,7 @@ use include_dir::Dir;
 
 use super::network::comparator_text;
 use super::{Variant, error};
-use crate::{Error, Pass};
+use crate::{Error, Pass, PushConstants, Shape};
 
 /// The WGSL of a crate that declares passes, embedded, and the numbers that its shaders share with Rust.
 #[derive(Debug)]
@@ -74,16 +74,27 @@ pub(super) fn source<P: Pass>(stem: &str, variant: &Variant) -> Result<String, E
         let _ = writeln!(out, "const SUBGROUP = {size}u;");
     }
     out.push_str(&variant.text);
-    let mut composer = Composer { sources, stem, piece: P::PIECE, variant, out, pasted: Vec::new() };
+    let push = P::Push::push_shape();
+    let mut composer = Composer { sources, stem, piece: P::PIECE, push, variant, out, pasted: Vec::new() };
     composer.paste(text)?;
     let constants = sources.constants_in(&composer.out);
     Ok(constants + &composer.out)
 }
 
+/// Head of an entry point with the common workgroup.
+const MAIN: &str = "@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+";
+
 struct Composer<'a> {
     sources: &'a Sources,
     stem: &'a str,
     piece: Option<&'a str>,
+    push: Option<Shape>,
     variant: &'a Variant,
     out: String,
     /// Names of the shared pieces that are there.
@@ -96,6 +107,8 @@ impl<'a> Composer<'a> {
             let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
             match word {
                 "#import" => self.paste_shared(rest.trim())?,
+                "#push" => self.write_push()?,
+                "#main" => self.write_main(rest.trim_end_matches('{').trim()),
                 "#walker" => self.paste_shared(self.wanted(self.variant.walker, "the variant names no walker")?)?,
                 "#piece" => self.paste_shared(self.wanted(self.piece, "the pass names no piece")?)?,
                 "#comparators" => self.out.push_str(&comparator_text(self.inputs()?)),
@@ -123,6 +136,23 @@ impl<'a> Composer<'a> {
         let shared = self.sources.file(&format!("shared/{name}"));
         self.pasted.push(name);
         self.paste(shared.ok_or_else(|| error(self.stem, format!("no shared piece {name:?}")))?)
+    }
+
+    fn write_push(&mut self) -> Result<(), Error> {
+        let Some(Shape::Struct { members, .. }) = &self.push else {
+            return Err(error(self.stem, "the pass declares no push constants"));
+        };
+        let members: Vec<String> = members.iter().map(|m| format!("{}: {}", m.name, m.shape.wgsl())).collect();
+        let _ = writeln!(self.out, "struct Push {{ {} }}\nvar<immediate> push: Push;", members.join(", "));
+        Ok(())
+    }
+
+    /// Writes the head of an entry point; `index` names the invocation's number among all, if it is wanted.
+    fn write_main(&mut self, index: &str) {
+        self.out.push_str(MAIN);
+        if !index.is_empty() {
+            let _ = writeln!(self.out, "    let {index} = invocation_index(workgroup, groups, local);");
+        }
     }
 
     /// Writes a line `count` times with `{name}` = 0, 1, ….

@@ -14,6 +14,9 @@
 //! | line | becomes |
 //! |------|---------|
 //! | `#import NAME` | shared/NAME.wgsl, once however often it is imported |
+//! | `#push` | the struct `Push` with the members that the pass declares, and the variable `push` of push constants |
+//! | `#main {` | the head of an entry point with `workgroup`, `groups` and `local`, for workgroups of [`WORKGROUP`] |
+//! | `#main NAME {` | the same, and NAME = the number of the invocation among all (`#import dispatch`) |
 //! | `#piece` | the shared piece that the pass names: `pass! { … = "label" in "stem" with "piece" { … } }` |
 //! | `#walker` | the shared piece that the variant names ([`Variant::walker`]) |
 //! | `#each NAME LINE` | LINE as often as the variant says of that name ([`Variant::each`]), with `{NAME}` = 0, 1, … |

@@ -194,6 +194,44 @@ mod tests {
     }
 
     #[test]
+    fn push_constants_are_compared_by_name_type_and_size() {
+        gpu_struct! {
+            struct Right {
+                count: u32,
+            }
+
+            struct Renamed {
+                amount: u32,
+            }
+
+            struct Longer {
+                count: u32,
+                more: u32,
+            }
+
+            struct Floating {
+                count: f32,
+            }
+        }
+        let wgsl = "struct Push { count: u32 } var<immediate> push: Push; @compute @workgroup_size(1) fn main() {}";
+        let module = naga::front::wgsl::parse_str(wgsl).expect("valid WGSL");
+        let compared = |push: Option<Shape>| {
+            check_declaration("test", &module, &[], push.as_ref(), true).map_err(|e| e.to_string())
+        };
+        compared(Some(Right::shape())).expect("the declaration in earnest");
+        let refusals = [
+            (Some(Renamed::shape()), "amount"),
+            (Some(Longer::shape()), "of 8 bytes"),
+            (Some(Floating::shape()), "{ count: u32 at 0 } of 4 bytes in WGSL, { count: f32 at 0 } of 4 bytes in Rust"),
+            (None, "no push constants"),
+        ];
+        for (push, part) in refusals {
+            let message = compared(push).expect_err(part);
+            assert!(message.contains(part), "{message:?} should say {part:?}");
+        }
+    }
+
+    #[test]
     fn a_runtime_sized_array_is_its_element_and_a_fixed_one_is_not() {
         let compared = |wgsl: &str| {
             let source = format!(

@@ -37,7 +37,7 @@ fn frame() -> Image {
         depth_mean: Some(vec![1.0, 2.25, f32::INFINITY, 4.0, 5.25, 6.0]),
         fragments: Some(vec![1, 2, 0, 4, 5, 100_000]),
         layers: Some(vec![1, 2, 0, 3, 3, 3]),
-        stderr: None,
+        ..Image::default()
     }
 }
 
@@ -94,11 +94,7 @@ fn encoded_values_go_into_a_png_as_they_are_and_into_an_exr_decoded() {
         height: 1,
         rgba: vec![[0.5, 0.0, 0.0, 0.5], [0.0; 4]],
         depth: vec![1.0; 2],
-        depth_median: None,
-        depth_mean: None,
-        fragments: None,
-        layers: None,
-        stderr: None,
+        ..Image::default()
     };
     let (a, b) = (folder.path().join("a.png"), folder.path().join("a.exr"));
     write_image(&a, &frame, &options).unwrap();
@@ -162,7 +158,7 @@ fn the_same_image_gives_the_same_bytes() {
         depth_mean: None,
         fragments: Some(pixels.clone().collect()),
         layers: Some(pixels.collect()),
-        stderr: None,
+        ..Image::default()
     };
     for name in ["a.png", "a.exr"] {
         let bytes = || {

@@ -10,6 +10,7 @@ use super::stage::{apart, at, frame, mean, pixels, variance};
 use super::{Case, CaseResult, Finding, Stage, each, joined, one};
 use pellucid_engine::Result;
 use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
 use pellucid_engine::random::threefry2x32;
 use pellucid_engine::reference::spbr::slanted;
@@ -82,7 +83,7 @@ fn dealt(planes: Vec<(Points, f64)>) -> Dealt {
 
 /// A of each pixel. Pixels are as good as independent: points fall on them at random.
 fn alphas(stage: &mut Stage, dealt: &Dealt, method: Method) -> Result<Vec<f64>> {
-    let mut cloud = stage.renderer.upload_dealt(dealt)?;
+    let mut cloud = stage.renderer.upload(&Arranged::Dealt(dealt.clone()))?;
     let image = stage.renderer.render(&mut cloud, &frame(pixels(SIZE), SIZE, method))?.image;
     Ok(image.rgba.iter().map(|pixel| f64::from(pixel[3])).collect())
 }

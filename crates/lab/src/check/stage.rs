@@ -74,7 +74,7 @@ impl Stage {
 
     /// The image of points in the order that a method needs.
     pub fn arranged(&mut self, arranged: &Arranged, frame: &Frame) -> Result<Image, Error> {
-        let mut cloud = self.renderer.upload_arranged(arranged)?;
+        let mut cloud = self.renderer.upload(arranged)?;
         Ok(self.renderer.render(&mut cloud, frame)?.image)
     }
 

@@ -81,7 +81,7 @@ impl Subject {
     /// # Errors
     /// Errors of [`Renderer::render`].
     pub fn render_arranged(&self, renderer: &mut Renderer, arranged: &Arranged) -> Result<Rendered, Error> {
-        let mut cloud = renderer.upload_arranged(arranged)?;
+        let mut cloud = renderer.upload(arranged)?;
         renderer.render(&mut cloud, &self.frame)
     }
 

@@ -95,11 +95,7 @@ mod tests {
             height: 1,
             rgba: vec![[1.0; 4], [0.0; 4], [0.0; 4], rgba],
             depth: vec![1.0; 4],
-            depth_median: None,
-            depth_mean: None,
-            fragments: None,
-            layers: None,
-            stderr: None,
+            ..Image::default()
         };
         assert_eq!(truth.deviation(&image([1.0; 4])), Deviation { max: 0.0, rmse: 0.0, pixels: 2 });
         // One of six channels is off by 0.5; A counts only for the largest difference.

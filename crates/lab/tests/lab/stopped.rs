@@ -66,7 +66,7 @@ fn stop_everywhere(device: &Device, renderer: &mut Renderer, subject: &Subject) 
     };
     for (stops, allowed) in places().enumerate() {
         // A cloud of its own: what is found for it, axes and shadows, is found under way.
-        let mut cloud = renderer.upload_arranged(&arranged).map_err(|error| format!("upload: {error}"))?;
+        let mut cloud = renderer.upload(&arranged).map_err(|error| format!("upload: {error}"))?;
         // A frame that waits for its counts submits most often.
         renderer.forget();
         device.allow_submissions(Some(allowed));

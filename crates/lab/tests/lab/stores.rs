@@ -70,7 +70,7 @@ fn subjects() -> Vec<Subject> {
 
 fn rendered(device: &Device, arranged: &Arranged, frame: &Frame) -> Result<Rendered, Error> {
     let mut renderer = Renderer::new(device)?;
-    let mut cloud = renderer.upload_arranged(arranged)?;
+    let mut cloud = renderer.upload(arranged)?;
     renderer.render(&mut cloud, frame)
 }
 

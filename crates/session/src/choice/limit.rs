@@ -21,10 +21,6 @@ pub fn image_of(picture: &Picture) -> Image {
         height: picture.height,
         rgba: picture.rgba.iter().map(|pixel| pixel.map(|value| value as f32)).collect(),
         depth: picture.depth.iter().map(|depth| *depth as f32).collect(),
-        depth_median: None,
-        depth_mean: None,
-        fragments: None,
-        layers: None,
-        stderr: None,
+        ..Image::default()
     }
 }

@@ -13,7 +13,7 @@ use super::{Figures, Subject};
 use crate::candidates::{Formation, Occasion, Setting, formation};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::LinearImage;
-use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, Upload};
 use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::prepare::Arranged;
@@ -349,7 +349,7 @@ impl Clouds<'_> {
         }
         let levels = match self.levels.take() {
             Some(levels) => levels,
-            None => renderer.upload_for(&detail, self.arranged, None)?,
+            None => renderer.upload(Upload::with_detail(self.arranged, &detail))?,
         };
         Ok((self.levels.insert(levels), detail))
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
-use pellucid_engine::methods::Frame;
+use pellucid_engine::methods::{Frame, Upload};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Phase;
@@ -251,9 +251,10 @@ fn open(
         session.decide(&console)?;
         if by_windows
             && follows
-            && let Arranged::Canonical(points) = session.assembled().arranged()
+            && let arranged @ Arranged::Canonical(_) = session.assembled().arranged()
         {
-            session.uploaded.cloud = session.renderer.supply_held(points)?;
+            let upload = Upload { by_windows: true, ..arranged.into() };
+            session.uploaded.cloud = session.renderer.upload(upload)?;
         }
     }
     Ok(session)

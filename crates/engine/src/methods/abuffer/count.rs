@@ -1,12 +1,13 @@
 //! Counts a window's fragments, and finds where each pixel's list begins.
 
 use super::capacity::Need;
-use super::passes::{CountPush, Lengths, Measure};
-use super::{ABuffer, Bodies, LOCAL_LENGTH, WindowJob};
+use super::passes::{Lengths, Measure};
+use super::{ABuffer, Bodies, Counting, LOCAL_LENGTH, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
 use crate::methods::{Error, Facts, Timeline};
 use crate::passes::bands::{self, Band};
 use crate::passes::foresight::Place;
+use crate::passes::raster::CountPush;
 use crate::passes::scan::Scan;
 
 /// Pixels of one invocation of `abuffer/measure`.
@@ -93,7 +94,8 @@ impl ABuffer {
             recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
             recorder.fill("abuffer/clear", self.body_lengths.all(), 0)?;
         }
-        job.storing.record_count(&mut recorder, &job.raster, counts.all(), self.bodies.get().all())?;
+        let counting = Counting { raster: job.raster, counts: counts.all(), bodies: self.bodies.get().all() };
+        job.storing.record_count(&mut recorder, counting)?;
         let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));
         let push = CountPush { count: pixels as u32 };
         if beside {

@@ -80,22 +80,12 @@ pub(crate) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
         plan.add(name, any && for_links == linked, reason);
     }
     if ordered {
-        plan.add(
-            "abuffer/resolve-ordered",
-            any,
-            plan.if_seen("the lists are already in the order of blending".to_owned()),
-        );
+        let reason = plan.if_seen("the lists are already in the order of blending");
+        plan.add("abuffer/resolve-ordered", any, reason);
     }
     if unordered {
-        for name in BY_LENGTH {
-            plan.add(
-                name,
-                any,
-                plan.if_seen(
-                    "pixels are grouped by the length of their lists, as each length has its own kernel".to_owned(),
-                ),
-            );
-        }
+        let reason = "pixels are grouped by the length of their lists, as each length has its own kernel";
+        BY_LENGTH.into_iter().for_each(|name| plan.add(name, any, plan.if_seen(reason)));
         kernels(plan, facts.max_list, discs);
     }
     plan.rest(&list_passes(), "every list is already in order, or every list must be sorted");
@@ -108,11 +98,8 @@ fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
     let met = plan
         .if_seen(format!("all rays meet {} ellipsoids and discs, stored in {} band(s)", facts.fragments, facts.bands));
     plan.add("abuffer/clear", true, "counters start at zero");
-    plan.add(
-        "ellipsoids/count",
-        plan.seen(),
-        plan.if_seen("a ray that meets an ellipsoid has two events: it enters and it leaves".to_owned()),
-    );
+    let events = plan.if_seen("a ray that meets an ellipsoid has two events: it enters and it leaves");
+    plan.add("ellipsoids/count", plan.seen(), events);
     plan.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
     let tiled = plan.tiles(facts.large);

@@ -19,9 +19,7 @@ mod passes;
 mod samples;
 mod storing;
 
-pub use blend::{
-    Blender, Blending, CLASSES, Runs, in_place_length, least_bytes, long_groups, lower_bound, record_nothing,
-};
+pub use blend::{Blender, Blending, CLASSES, Runs, in_place_length, least_bytes, lower_bound};
 pub(crate) use blend::{CONSTANTS, Sorting, composing_variant, occurring};
 pub(crate) use bytes::list_bytes;
 pub(crate) use explain::{
@@ -30,8 +28,8 @@ pub(crate) use explain::{
 pub use passes::*;
 pub(crate) use samples::{Sampling, Taken};
 pub use storing::{
-    Bodies, InOrder, LINK_BYTES, Needs, RECORD_BYTES, Room, RunBuffers, SEGMENT_BYTES, Slots, StoreFragments,
-    record_fragment_count,
+    Bodies, Counting, InOrder, LINK_BYTES, Needs, RECORD_BYTES, Room, RunBuffers, SEGMENT_BYTES, Slots, StoreFragments,
+    Storing,
 };
 
 use self::blend::Stored;
@@ -41,6 +39,7 @@ use super::engine::{Counts, Work};
 use super::told::Told;
 use super::{Error, Frame, Outcome, Timeline};
 use crate::choices::Choices;
+use crate::fields;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Band, Budget, Window};
@@ -72,22 +71,24 @@ pub fn footprint(shape: DiscShape) -> Footprint {
     }
 }
 
-/// Buffers of the A-buffer, kept from frame to frame.
-pub struct ABuffer {
-    room: Room,
-    told_offsets: Told<u32>,
-    scan: Option<Scan>,
-    overflow: Buffer<u32>,
-    lengths: Buffer<Lengths>,
-    /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and their
-    /// lengths.
-    bodies: Kept<u32>,
-    /// `true` if bodies of the last window were counted.
-    beside: bool,
-    told_bodies: Told<u32>,
-    body_lengths: Buffer<Lengths>,
-    blender: Blender,
-    taken: samples::Buffers,
+fields! {
+    /// Buffers of the A-buffer, kept from frame to frame.
+    pub struct ABuffer by device {
+        room: Room = Room::new(device)?,
+        told_offsets: Told<u32> = Told::new("fragment offsets, host"),
+        scan: Option<Scan> = None,
+        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+        lengths: Buffer<Lengths> = device.buffer("list lengths", 1, Memory::Device)?,
+        /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and
+        /// their lengths.
+        bodies: Kept<u32> = Kept::new("sphere counts", Memory::Device),
+        /// `true` if bodies of the last window were counted.
+        beside: bool = false,
+        told_bodies: Told<u32> = Told::new("sphere counts, host"),
+        body_lengths: Buffer<Lengths> = device.buffer("sphere lengths", 1, Memory::Device)?,
+        blender: Blender = Blender::new(device)?,
+        taken: samples::Buffers = samples::Buffers::default(),
+    }
 }
 
 /// Depth of its list that a pixel gets.
@@ -130,23 +131,6 @@ pub struct Lists {
 }
 
 impl ABuffer {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            room: Room::new(device)?,
-            told_offsets: Told::new("fragment offsets, host"),
-            scan: None,
-            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
-            lengths: device.buffer("list lengths", 1, Memory::Device)?,
-            bodies: Kept::new("sphere counts", Memory::Device),
-            beside: false,
-            told_bodies: Told::new("sphere counts, host"),
-            body_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
-            blender: Blender::new(device)?,
-            taken: samples::Buffers::new(),
-        })
-    }
-
     /// Counts, then stores, sorts and blends band by band into the target.
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
         let (device, target) = (work.device, work.target);
@@ -164,12 +148,13 @@ impl ABuffer {
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = work.timeline.recorder(device)?;
             if i == 0 {
-                record_nothing(&mut recorder, target, job.raster.window)?;
+                target.pixels().record_nothing(&mut recorder, job.raster.window)?;
             }
             if band.fragments > 0 {
                 self.record_store(&mut recorder, job, band, &counted)?;
-                let blending = Blending { job: *job, stored, band: *band, lengths: counted.lengths };
-                job.storing.record_blend(&mut recorder, &self.blender, &blending, target)?;
+                let (blender, lengths) = (&self.blender, counted.lengths);
+                let blending = Blending { job: *job, stored, band: *band, lengths, blender, target };
+                job.storing.record_blend(&mut recorder, &blending)?;
             }
             if i + 1 == bands.len() {
                 let pixels = bands::pixels(job.raster.window);
@@ -195,7 +180,9 @@ impl ABuffer {
     }
 
     /// Counts the lists of a window for a method that renders without them.
-    pub(crate) fn tally(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+    pub(crate) fn tally(&mut self, work: &mut Work<'_>, raster: Raster<'_>) -> Result<Outcome, Error> {
+        let (discs, storing, budget) = (Discs::default(), &Slots, work.budget);
+        let job = &WindowJob { raster, discs, storing, stop: (0, 1.0), shown: Shown::First, budget, samples: None };
         let counted = self.count(work.device, job, true, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
@@ -241,7 +228,8 @@ impl ABuffer {
         band: &Band,
         counted: &Counted,
     ) -> Result<(), Error> {
-        job.storing.record_store(recorder, &job.raster, band, &self.room, counted.lengths.longest)?;
+        let (raster, longest) = (job.raster, counted.lengths.longest);
+        job.storing.record_store(recorder, Storing { raster, band: *band, room: &self.room, longest })?;
         if job.storing.needs().links {
             return Ok(());
         }

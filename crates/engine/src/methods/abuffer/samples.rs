@@ -2,7 +2,8 @@
 
 use super::blend::Stored;
 use super::capacity::Need;
-use super::{ABuffer, Blending, RUN_PIXEL_BYTES, WindowJob};
+use super::{ABuffer, Blending, RUN_PIXEL_BYTES, Sampled, WindowJob};
+use crate::fields;
 use crate::gpu::{Device, Kept, Memory};
 use crate::methods::Error;
 use crate::methods::engine::Work;
@@ -43,25 +44,17 @@ impl Taken<'_> {
     }
 }
 
-/// Buffers of samples, kept from window to window.
-pub(super) struct Buffers {
-    colors: Kept<[f32; 4]>,
-    depths: Kept<[f32; 2]>,
-    colors_host: Kept<[f32; 4]>,
-    depths_host: Kept<[f32; 2]>,
+fields! {
+    /// Buffers of samples, kept from window to window.
+    pub(super) struct Buffers {
+        colors: Kept<[f32; 4]> = Kept::new("sample colors", Memory::Device),
+        depths: Kept<[f32; 2]> = Kept::new("sample depths", Memory::Device),
+        colors_host: Kept<[f32; 4]> = Kept::new("sample colors, host", Memory::Readback),
+        depths_host: Kept<[f32; 2]> = Kept::new("sample depths, host", Memory::Readback),
+    }
 }
 
 impl Buffers {
-    /// Takes no memory yet.
-    pub fn new() -> Self {
-        Self {
-            colors: Kept::new("sample colors", Memory::Device),
-            depths: Kept::new("sample depths", Memory::Device),
-            colors_host: Kept::new("sample colors, host", Memory::Readback),
-            depths_host: Kept::new("sample depths, host", Memory::Readback),
-        }
-    }
-
     /// Reserves room for so many samples, but not for more than the limit.
     pub fn reserve(&mut self, device: &Device, [samples, limit]: [u64; 2]) -> Result<(), Error> {
         self.colors.reserve_within(device, samples, limit)?;
@@ -112,9 +105,10 @@ impl ABuffer {
                 let (colors, depths) = (self.taken.colors.get(), self.taken.depths.get());
                 let mut recorder = work.timeline.recorder(device)?;
                 self.record_store(&mut recorder, job, band, &counted)?;
-                let to = (colors.all(), depths.all());
-                let blending = Blending { job: *job, stored, band: *band, lengths: counted.lengths };
-                job.storing.record_samples(&mut recorder, &self.blender, &blending, how.bodies, to)?;
+                let (blender, lengths, target) = (&self.blender, counted.lengths, work.target);
+                let blending = Blending { job: *job, stored, band: *band, lengths, blender, target };
+                let samples = Sampled { sample_colors: colors.all(), sample_depths: depths.all() };
+                job.storing.record_samples(&mut recorder, &blending, how.bodies, samples)?;
                 recorder.copy_untimed(colors.slice(0, count), self.taken.colors_host.get().slice(0, count));
                 recorder.copy_untimed(depths.slice(0, count), self.taken.depths_host.get().slice(0, count));
                 work.timeline.submit(recorder, "abuffer/samples")?;

@@ -1,9 +1,10 @@
 //! The ways in which fragments get into the lists of pixels, and out of them again.
 
 use super::blend::{Blender, Blending};
-use super::passes::{Count, CountTiles, RunSums, Store, StoreTiles};
+use super::passes::{Count, CountTiles, RunSums, Sampled, Store, StoreTiles};
 use super::{FRAGMENT_BYTES, INDEX_BYTES};
-use crate::gpu::{Buffer, Device, Kept, Memory, Recorder, Slice};
+use crate::fields;
+use crate::gpu::{Buffer, Kept, Memory, Recorder, Slice};
 use crate::methods::{Error, Target};
 use crate::passes::bands::Band;
 use crate::passes::bin::{Binned, Bins};
@@ -46,42 +47,32 @@ pub trait StoreFragments {
         bodies
     }
 
-    /// Records the count of a window's fragments. `bodies` is counted only with [`Bodies::Counted`].
+    /// Records the count of a window's fragments, of splats that are visited one by one unless an implementation counts
+    /// otherwise. `bodies` is counted only with [`Bodies::Counted`].
     ///
     /// # Errors
     /// Vulkan errors.
-    fn record_count<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        counts: Slice<'a, u32>,
-        bodies: Slice<'a, u32>,
-    ) -> Result<(), Error>;
+    fn record_count<'a>(&'a self, recorder: &mut Recorder<'a>, counting: Counting<'a>) -> Result<(), Error> {
+        let Counting { raster, counts, .. } = counting;
+        raster.record_tiles(recorder)?;
+        let whole = Band::whole(raster.window, 0);
+        Ok(raster.record(recorder, &whole, |chunk: Chunk<'a>| Count { chunk, counts })?)
+    }
 
-    /// Records a band's fragments to their pixels' ranges; `longest` is the length of the longest list.
+    /// Records a band's fragments to their pixels' ranges.
     ///
     /// # Errors
     /// Vulkan errors.
-    fn record_store<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        band: &Band,
-        room: &'a Room,
-        longest: u32,
-    ) -> Result<(), Error>;
+    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error>;
 
-    /// Records everything from a band's stored fragments to its pixels in the target.
+    /// Records everything from a band's stored fragments to its pixels in the target; of fragments of splats unless an
+    /// implementation blends otherwise.
     ///
     /// # Errors
     /// Vulkan errors.
-    fn record_blend<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        target: &'a Target,
-    ) -> Result<(), Error>;
+    fn record_blend<'a>(&'a self, recorder: &mut Recorder<'a>, blending: &Blending<'a>) -> Result<(), Error> {
+        blending.blender.record_fragments(recorder, blending)
+    }
 
     /// Records the samples of a band's stored fragments, of every list in order. `bodies` asks for one per body.
     ///
@@ -90,11 +81,12 @@ pub trait StoreFragments {
     fn record_samples<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
         blending: &Blending<'a>,
-        bodies: bool,
-        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
-    ) -> Result<(), Error>;
+        _bodies: bool,
+        samples: Sampled<'a>,
+    ) -> Result<(), Error> {
+        blending.blender.record_fragment_samples(recorder, blending, samples)
+    }
 
     /// Records what lies behind all lists of a window.
     ///
@@ -108,6 +100,30 @@ pub trait StoreFragments {
     ) -> Result<(), Error> {
         Ok(())
     }
+}
+
+/// The count of a window's fragments.
+#[derive(Clone, Copy)]
+pub struct Counting<'a> {
+    /// The projected cloud and who visits its pixels.
+    pub raster: Raster<'a>,
+    /// Fragments of each pixel.
+    pub counts: Slice<'a, u32>,
+    /// Bodies of each pixel.
+    pub bodies: Slice<'a, u32>,
+}
+
+/// The storing of a band's fragments.
+#[derive(Clone, Copy)]
+pub struct Storing<'a> {
+    /// The projected cloud and who visits its pixels.
+    pub raster: Raster<'a>,
+    /// The band.
+    pub band: Band,
+    /// The buffers.
+    pub room: &'a Room,
+    /// Length of the longest list.
+    pub longest: u32,
 }
 
 /// The relation of a pixel's bodies to the fragments of its list.
@@ -145,49 +161,33 @@ impl Needs {
     }
 }
 
-/// Buffers that fragments are stored in, kept from frame to frame.
-pub struct Room {
-    /// Counts of the pixels of a window, and then the cursors that hand out slots, or the heads of linked lists.
-    pub counts: Kept<u32>,
-    /// Prefix sums of the window's list lengths.
-    pub offsets: Kept<u32>,
-    /// The fragments of a band.
-    pub fragments: Kept<[u32; 2]>,
-    /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
-    pub spare: Kept<[u32; 2]>,
-    /// Records of fragments, at their slots.
-    pub records: Kept<[u32; 4]>,
-    /// Links of the nodes of linked lists.
-    pub links: Kept<u32>,
-    /// Counter of those nodes.
-    pub node_count: Buffer<u32>,
-}
-
-impl Room {
-    pub(super) fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            counts: Kept::new("fragment counts", Memory::Device),
-            offsets: Kept::new("fragment offsets", Memory::Device),
-            fragments: Kept::new("fragments", Memory::Device),
-            spare: Kept::new("spare fragments", Memory::Device),
-            records: Kept::new("event records", Memory::Device),
-            links: Kept::new("list links", Memory::Device),
-            node_count: device.buffer("node count", 1, Memory::Device)?,
-        })
+fields! {
+    /// Buffers that fragments are stored in, kept from frame to frame.
+    pub struct Room by device {
+        /// Counts of the pixels of a window, and then the cursors that hand out slots, or the heads of linked lists.
+        pub counts: Kept<u32> = Kept::new("fragment counts", Memory::Device),
+        /// Prefix sums of the window's list lengths.
+        pub offsets: Kept<u32> = Kept::new("fragment offsets", Memory::Device),
+        /// The fragments of a band.
+        pub fragments: Kept<[u32; 2]> = Kept::new("fragments", Memory::Device),
+        /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
+        pub spare: Kept<[u32; 2]> = Kept::new("spare fragments", Memory::Device),
+        /// Records of fragments, at their slots.
+        pub records: Kept<[u32; 4]> = Kept::new("event records", Memory::Device),
+        /// Links of the nodes of linked lists.
+        pub links: Kept<u32> = Kept::new("list links", Memory::Device),
+        /// Counter of those nodes.
+        pub node_count: Buffer<u32> = device.buffer("node count", 1, Memory::Device)?,
     }
 }
 
-/// Running sums of long lists, and values of their segments, kept from frame to frame.
-pub struct RunBuffers {
-    /// Sums of runs.
-    pub sums: Kept<RunSums>,
-    /// Values of segments.
-    pub segments: Kept<f32>,
-}
-
-impl Default for RunBuffers {
-    fn default() -> Self {
-        Self { sums: Kept::new("sums of runs", Memory::Device), segments: Kept::new("segments", Memory::Device) }
+fields! {
+    /// Running sums of long lists, and values of their segments, kept from frame to frame.
+    pub struct RunBuffers {
+        /// Sums of runs.
+        pub sums: Kept<RunSums> = Kept::new("sums of runs", Memory::Device),
+        /// Values of segments.
+        pub segments: Kept<f32> = Kept::new("segments", Memory::Device),
     }
 }
 
@@ -196,47 +196,10 @@ impl Default for RunBuffers {
 pub struct Slots;
 
 impl StoreFragments for Slots {
-    fn record_count<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        counts: Slice<'a, u32>,
-        _bodies: Slice<'a, u32>,
-    ) -> Result<(), Error> {
-        record_fragment_count(recorder, raster, counts)
-    }
-
-    fn record_store<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        band: &Band,
-        room: &'a Room,
-        _longest: u32,
-    ) -> Result<(), Error> {
+    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error> {
+        let Storing { raster, band, room, .. } = storing;
         let (cursors, fragments) = (room.counts.get().all(), room.fragments.get().all());
-        Ok(raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors, fragments })?)
-    }
-
-    fn record_blend<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        target: &'a Target,
-    ) -> Result<(), Error> {
-        blender.record_fragments(recorder, blending, target)
-    }
-
-    fn record_samples<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        _bodies: bool,
-        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
-    ) -> Result<(), Error> {
-        blender.record_fragment_samples(recorder, blending, to)
+        Ok(raster.record(recorder, &band, |chunk: Chunk<'a>| Store { chunk, cursors, fragments })?)
     }
 }
 
@@ -254,64 +217,22 @@ impl StoreFragments for InOrder<'_> {
         Needs { in_order: true, ..Needs::default() }
     }
 
-    fn record_count<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        counts: Slice<'a, u32>,
-        _bodies: Slice<'a, u32>,
-    ) -> Result<(), Error> {
+    fn record_count<'a>(&'a self, recorder: &mut Recorder<'a>, counting: Counting<'a>) -> Result<(), Error> {
+        let Counting { raster, counts, .. } = counting;
         let tiles = self.bins.record_tiles(recorder, raster.cloud, self.binned)?;
         let whole = Band::whole(raster.window, 0);
         Ok(tiles.record(recorder, raster.window, &whole, |tiles| CountTiles { tiles, counts })?)
     }
 
-    fn record_store<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        band: &Band,
-        room: &'a Room,
-        _longest: u32,
-    ) -> Result<(), Error> {
+    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error> {
+        let Storing { raster, band, room, .. } = storing;
         let (cursors, indices) = (room.counts.get().all(), room.fragments.get().all().cast());
         let tiles = self.bins.tiles(raster.cloud, self.binned);
-        Ok(tiles.record(recorder, raster.window, band, |tiles| StoreTiles { tiles, cursors, indices })?)
+        Ok(tiles.record(recorder, raster.window, &band, |tiles| StoreTiles { tiles, cursors, indices })?)
     }
 
-    fn record_blend<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        _blender: &'a Blender,
-        blending: &Blending<'a>,
-        target: &'a Target,
-    ) -> Result<(), Error> {
+    fn record_blend<'a>(&'a self, recorder: &mut Recorder<'a>, blending: &Blending<'a>) -> Result<(), Error> {
         let tiles = self.bins.tiles(blending.job.raster.cloud, self.binned);
-        Ok(Blender::record_ordered(recorder, blending, &tiles, target)?)
+        Ok(Blender::record_ordered(recorder, blending, &tiles)?)
     }
-
-    fn record_samples<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        _bodies: bool,
-        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
-    ) -> Result<(), Error> {
-        blender.record_fragment_samples(recorder, blending, to)
-    }
-}
-
-/// Records the count of the fragments of a window that are visited splat by splat.
-///
-/// # Errors
-/// Vulkan errors.
-pub fn record_fragment_count<'a>(
-    recorder: &mut Recorder<'a>,
-    raster: &Raster<'a>,
-    counts: Slice<'a, u32>,
-) -> Result<(), Error> {
-    raster.record_tiles(recorder)?;
-    let whole = Band::whole(raster.window, 0);
-    Ok(raster.record(recorder, &whole, |chunk: Chunk<'a>| Count { chunk, counts })?)
 }

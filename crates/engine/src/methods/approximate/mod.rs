@@ -9,61 +9,36 @@ pub(crate) use engine::ApproximateEngine;
 pub use tail::{GatherTail, TailPush, WeighTail};
 
 use self::tail::Tail;
-use super::abuffer::record_nothing;
 use super::engine::Work;
-use super::fading::{self, Stages};
-use super::{Error, Facts, Outcome, Target};
-use crate::choices::Choices;
+use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums, SumsGroup};
+use super::{Error, Facts, Outcome, Target, fading};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
-use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
-use crate::passes::compose::{self, Cut};
+use crate::gpu::{Device, Kept, Memory, Recorder, Variant};
+use crate::passes::bin::{self, Binned, Bins, OneRun, TileWalk, TiledGroup};
+use crate::passes::compose;
 use crate::passes::project::{DISCS, Footprint};
-use crate::scene::{Discs, Falloff, MAX_NODES, MomentCount};
-use crate::{gpu_struct, group, pass};
-
-gpu_struct! {
-    /// Push constants of the stages; shaders/shared/tile_fold.wgsl explains the members.
-    pub struct SumPush {
-        walk: TileWalk,
-    }
-}
+use crate::passes::raster::Raster;
+use crate::scene::{MAX_NODES, MomentCount};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants of `hybrid`: number of fragments that are composed exactly, and the least opacity of one.
     pub struct HybridPush {
         walk: TileWalk,
-        k: u32,
+        k: u32, // Fragments that are composed exactly, and the least opacity of one.
         core_alpha_min: f32,
     }
-}
 
-gpu_struct! {
     /// Push constants of a round of `hybrid` over oriented discs, which composes as many fragments as it has slots.
     pub struct RoundPush {
         walk: TileWalk,
-        core_alpha_min: f32,
+        core_alpha_min: f32, // The least opacity of a fragment that is composed exactly.
     }
-}
 
-gpu_struct! {
     /// Push constants of `mlab`; `unused` slots stay empty.
     pub struct LayerPush {
         walk: TileWalk,
-        unused: u32,
-    }
-}
-
-group! {
-    /// Bindings of all stages besides the tiles.
-    pub Sums as SumsGroup {
-        /// Premultiplied color and A of the window's pixels.
-        image: ReadWrite<[f32; 4]>,
-        /// Depths of the window's pixels.
-        depths: ReadWrite<f32>,
-        /// State that a run leaves to the next.
-        kept: ReadWrite<[f32; 4]>,
+        unused: u32, // Slots that stay empty: the first ones.
     }
 }
 
@@ -71,46 +46,24 @@ pass! {
     /// Sums the splats of a tile with weights that fall with depth: one subgroup per block of a tile keeps the sums of
     /// its pixels in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the
     /// sums.
-    pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted",
     /// Averages the colors of the splats over each pixel, as `weighted/accumulate` goes through a tile.
-    pub Average(SumPush) = "average/accumulate" in "approximate/average" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Average(SumPush) = "average/accumulate" in "approximate/average",
     /// Blends the splats of each pixel in the order of the files, as `weighted/accumulate` goes through a tile.
-    pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted" {
-        tiles: Shared<TiledGroup>,
-        sums: Shared<SumsGroup>,
-    }
-}
-
-pass! {
+    pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted",
     /// Composes the first `k` fragments of each pixel front to back and sums the others, over flat discs.
     pub HybridFlat(HybridPush) = "hybrid/accumulate" in "approximate/hybrid" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
     }
-}
 
-pass! {
     /// Composes the first `k` fragments of each pixel front to back before a tail by moments, over flat discs.
     pub HybridFront(HybridPush) = "hybrid/accumulate" in "approximate/hybrid_front" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
     }
-}
 
-pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block
     /// of a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last
     /// round are summed.
@@ -120,9 +73,7 @@ pass! {
         lasts: ReadWrite<[u32; 2]>,
         slots: ReadWrite<[u32; 4]>,
     }
-}
 
-pass! {
     /// Keeps the nearest fragments of each pixel in slots by insertion, in the order of the files, and merges what
     /// falls out of them into one last layer: region by region, as `hybrid/accumulate` over oriented discs.
     pub Layers(LayerPush) = "mlab/accumulate" in "mlab/accumulate" {
@@ -132,8 +83,6 @@ pass! {
     }
 }
 
-/// Bytes of a pixel's state between two runs.
-pub(super) const STATE_BYTES: u64 = 64;
 /// Slots for the nearest fragments of a pixel: in registers, hence few.
 const MOST_SLOTS: u32 = 8;
 /// Slots that `mlab` has beside its last layer, in variants of a shader: some may stay empty.
@@ -143,8 +92,6 @@ const _: () = assert!(MAX_NODES <= LAYER_SLOTS[3] + 1);
 const SLOT_BYTES: u64 = 32;
 /// Bytes of the rank of the last fragment that is composed.
 const LAST_BYTES: u64 = 8;
-/// Up to so many pixels a window has room for their state whatever else there is.
-const SMALL_WINDOW: u64 = 256;
 
 /// An approximation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,48 +115,32 @@ pub enum Kind {
     Mlab(u32),
 }
 
-/// Everything that stays the same while a window is rendered.
-#[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
-    /// The splats to bin.
-    pub bin: bin::Job<'a>,
-    /// Shape and falloff.
-    pub discs: Discs,
-    /// The approximation.
-    pub kind: Kind,
-    /// Near and far.
-    pub depth_range: [f32; 2],
-}
-
-impl WindowJob<'_> {
-    /// Slots of each round of `hybrid` over oriented discs, the last of which has a tail, and of the only one of
+impl Kind {
+    /// Slots of each round of `hybrid` over splats that may cross, the last of which has a tail, and of the only one of
     /// `mlab`. Empty for all else.
-    fn rounds(&self) -> Vec<u32> {
-        match self.kind {
-            Kind::Hybrid { k, .. } if self.bin.raster.footprint.may_cross() => rounds(k),
-            Kind::Mlab(nodes) => vec![layer_slots(nodes)],
+    fn rounds(self, footprint: Footprint) -> Vec<u32> {
+        match self {
+            Self::Hybrid { k, .. } if footprint.may_cross() => rounds(k),
+            Self::Mlab(nodes) => vec![layer_slots(nodes)],
             _ => Vec::new(),
         }
     }
 
     /// Moments of the tail.
-    fn tail(&self) -> Option<MomentCount> {
-        let Kind::Hybrid { tail, .. } = self.kind else { return None };
+    fn tail(self) -> Option<MomentCount> {
+        let Self::Hybrid { tail, .. } = self else { return None };
         tail
     }
 
     /// Device bytes of a pixel from stage to stage.
-    fn kept_bytes(&self, rounds: &[u32]) -> u64 {
+    fn kept_bytes(self, rounds: &[u32]) -> u64 {
         self.tail().map_or_else(|| round_bytes(rounds), tail::pixel_bytes)
     }
 
     /// The most runs over all tiles that it takes to get a stage through the longest list.
-    fn runs_over(&self, binned: Binned, rounds: &[u32]) -> u32 {
-        if self.tail().is_some() {
-            binned.region_segments().max(runs_over(binned, rounds))
-        } else {
-            runs_over(binned, rounds)
-        }
+    fn runs_over(self, binned: Binned, rounds: &[u32]) -> u32 {
+        let runs = runs_over(binned, rounds);
+        if self.tail().is_some() { binned.region_segments().max(runs) } else { runs }
     }
 }
 
@@ -242,32 +173,13 @@ fn run_bytes(rounds: &[u32]) -> u64 {
     STATE_BYTES + rounds.first().map_or(0, |slots| 16 + SLOT_BYTES * u64::from(*slots))
 }
 
-/// Returns an error whose budget leaves room for `more` bytes besides.
-pub(super) fn beside(error: Error, more: u64) -> Error {
-    match error {
-        Error::SortOverBudget { points, needed, available, .. } => {
-            Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed + more) }
-        }
-        other => other,
-    }
-}
-
-/// Buffers, kept from frame to frame.
-pub struct Approximations {
-    state: Kept<[f32; 4]>,
-    lasts: Kept<[u32; 2]>,
-    slots: Kept<[u32; 4]>,
-    moments: Kept<[f32; 2]>,
-}
-
-impl Default for Approximations {
-    fn default() -> Self {
-        Self {
-            state: Kept::new("sums of pixels", Memory::Device),
-            lasts: Kept::new("last ranks of pixels", Memory::Device),
-            slots: Kept::new("nearest fragments of pixels, by slot", Memory::Device),
-            moments: Kept::new("moments of tails", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Approximations {
+        state: Kept<[f32; 4]> = Kept::new("sums of pixels", Memory::Device),
+        lasts: Kept<[u32; 2]> = Kept::new("last ranks of pixels", Memory::Device),
+        slots: Kept<[u32; 4]> = Kept::new("nearest fragments of pixels, by slot", Memory::Device),
+        moments: Kept<[f32; 2]> = Kept::new("moments of tails", Memory::Device),
     }
 }
 
@@ -277,38 +189,27 @@ impl Approximations {
         &mut self,
         bins: &mut Bins,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        mut bin: bin::Job<'_>,
+        engine: &ApproximateEngine,
     ) -> Result<Outcome, Error> {
-        let (device, target) = (work.device, work.target);
-        let (window, rounds) = (job.bin.raster.window, job.rounds());
-        let pixels = bands::pixels(window);
-        let mut bin = job.bin;
-        bin.counted_bytes += pixels * job.kept_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
-        let mut recorder;
-        let runs = SMALL_WINDOW * run_bytes(&rounds);
-        match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), runs))? {
-            Bin::TooLarge => return Ok(Outcome::Overflow),
-            Bin::Nothing => {
-                recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
-            }
-            Bin::Done(binned) => {
-                work.note_binned(binned);
-                if job.runs_over(binned, &rounds) > 1 && pixels > SMALL_WINDOW {
-                    let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
-                    if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
-                        return Ok(Outcome::Overflow);
-                    }
+        let (device, frame, target, pixels) = (work.device, work.frame, work.target, work.pixels());
+        let (kind, raster) = (engine.kind, bin.raster);
+        let rounds = kind.rounds(raster.footprint);
+        bin.counted_bytes += pixels * kind.kept_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
+        let small = SMALL_WINDOW * run_bytes(&rounds);
+        tiled::blend(bins, work, (&bin, small), "accumulate", |bins, work, binned| {
+            let kept = kind.runs_over(binned, &rounds) > 1;
+            if kept && pixels > SMALL_WINDOW {
+                let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
+                if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
+                    return Ok(None);
                 }
-                self.reserve(device, pixels, job.runs_over(binned, &rounds) > 1, &rounds, job.tail())?;
-                work.facts.bands += 1;
-                recorder = work.timeline.recorder(device)?;
-                self.record(bins, &mut recorder, job, binned, &rounds, target)?;
             }
-        }
-        target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.submit(recorder, "accumulate")?;
-        Ok(Outcome::Done)
+            self.reserve(device, pixels, kept, &rounds, kind.tail())?;
+            let mut recorder = work.timeline.recorder(device)?;
+            self.record(bins, &mut recorder, (raster, engine, frame.depth_range()), binned, &rounds, target)?;
+            Ok(Some(recorder))
+        })
     }
 
     fn reserve(
@@ -333,59 +234,56 @@ impl Approximations {
         &'a self,
         bins: &'a Bins,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        (raster, engine, depth_range): (Raster<'a>, &ApproximateEngine, [f32; 2]),
         binned: Binned,
         rounds: &[u32],
         target: &'a Target,
     ) -> Result<(), Error> {
-        let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
-        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
-        let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
-        let stage = Stage { shape, binned, runs: runs_over(binned, rounds) };
-        let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
-        match job.kind {
-            Kind::Weighted => stage.record(recorder, &Weighted { tiles, sums }),
-            Kind::Average => stage.record(recorder, &Average { tiles, sums }),
-            Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
-            Kind::Hybrid { k, core_alpha_min, tail: None } if rounds.is_empty() => {
-                stage.record_hybrid(recorder, &HybridFlat { tiles, sums }, k, core_alpha_min)
-            }
-            Kind::Mlab(nodes) => stage.each_run(|run| {
+        let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
+        let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
+        let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
+        let (lasts, slots, runs) = (self.lasts.get().all(), self.slots.get().all(), runs_over(binned, rounds));
+        let push = |walk| SumPush { walk };
+        let sum = |run| sum_variant(shape.clone(), run);
+        match engine.kind {
+            Kind::Weighted => binned.record_runs(recorder, &Weighted { tiles, sums }, runs, push, sum)?,
+            Kind::Average => binned.record_runs(recorder, &Average { tiles, sums }, runs, push, sum)?,
+            Kind::Unsorted => binned.record_runs(recorder, &Unsorted { tiles, sums }, runs, push, sum)?,
+            Kind::Mlab(nodes) => {
                 let count = layer_slots(nodes);
-                let push = LayerPush { walk: binned.walk(run.number), unused: count + 1 - nodes };
-                let over = Run::new(binned.over_blocks()).variant(layer_variant(stage.shape.clone(), run, count));
-                Ok(recorder.run(&Layers { tiles, sums, slots }, push, &over)?)
-            }),
-            Kind::Hybrid { core_alpha_min, tail: None, .. } => stage.record_rounds(
-                recorder,
-                &HybridOriented { tiles, sums, lasts, slots },
-                rounds,
-                (core_alpha_min, true),
-            ),
-            Kind::Hybrid { k, core_alpha_min, tail: Some(moments) } => {
-                if rounds.is_empty() {
-                    stage.record_hybrid(recorder, &HybridFront { tiles, sums, lasts }, k, core_alpha_min)?;
-                } else {
-                    let front = HybridOriented { tiles, sums, lasts, slots };
-                    stage.record_rounds(recorder, &front, rounds, (core_alpha_min, false))?;
+                let push = |walk| LayerPush { walk, unused: count + 1 - nodes };
+                let layers = |run| layer_variant(shape.clone(), run, count);
+                binned.record_runs(recorder, &Layers { tiles, sums, slots }, runs, push, layers)?;
+            }
+            Kind::Hybrid { k, core_alpha_min, tail } => {
+                let push = |walk| HybridPush { walk, k, core_alpha_min };
+                match tail {
+                    None if rounds.is_empty() => {
+                        binned.record_runs(recorder, &HybridFlat { tiles, sums }, runs, push, sum)?;
+                    }
+                    Some(_) if rounds.is_empty() => {
+                        binned.record_runs(recorder, &HybridFront { tiles, sums, lasts }, runs, push, sum)?;
+                    }
+                    _ => {
+                        let push = |walk| RoundPush { walk, core_alpha_min };
+                        let oriented = HybridOriented { tiles, sums, lasts, slots };
+                        for (i, slots) in rounds.iter().enumerate() {
+                            let averaged = tail.is_none() && i + 1 == rounds.len();
+                            let round = Round { slots: *slots, behind: i > 0, tail: averaged };
+                            let variant = |run| round_variant(shape.clone(), run, round);
+                            binned.record_runs(recorder, &oriented, runs, push, variant)?;
+                        }
+                    }
                 }
-                let (known, depth_range) = (self.moments.get().all(), job.depth_range);
-                let tail = Tail { tiles, sums, lasts, known, moments, core_alpha_min, depth_range };
-                tail.record(recorder, &Stages { shape: stage.shape, binned })
+                if let Some(moments) = tail {
+                    let known = self.moments.get().all();
+                    let tail = Tail { tiles, sums, lasts, known, moments, core_alpha_min, depth_range };
+                    tail.record(recorder, binned, &shape)?;
+                }
             }
         }
+        Ok(())
     }
-}
-
-/// A run of several that together process the tiles' splats.
-#[derive(Debug, Clone, Copy)]
-pub struct OneRun {
-    /// Number of the part; all but the first go on from the result of others.
-    pub number: u32,
-    /// Number of parts; with more than one, each leaves what it knows.
-    pub of: u32,
-    /// The invocations that go through the tiles.
-    pub lanes: Lanes,
 }
 
 /// A round of `hybrid` over oriented discs.
@@ -399,61 +297,6 @@ pub struct Round {
     pub tail: bool,
 }
 
-/// A stage over all tiles.
-struct Stage {
-    shape: Variant,
-    binned: Binned,
-    runs: u32,
-}
-
-impl Stage {
-    /// Runs until the longest list of a tile is done.
-    fn each_run(&self, run: impl FnMut(OneRun) -> Result<(), Error>) -> Result<(), Error> {
-        let (of, lanes) = (self.runs, self.binned.lanes());
-        (0..of).map(|number| OneRun { number, of, lanes }).try_for_each(run)
-    }
-
-    fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
-        self.each_run(|run| {
-            let push = SumPush { walk: self.binned.walk(run.number) };
-            let over = Run::new(self.binned.over_blocks());
-            Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
-        })
-    }
-
-    fn record_hybrid<'a, P: Pass<Push = HybridPush> + 'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        pass: &P,
-        k: u32,
-        core_alpha_min: f32,
-    ) -> Result<(), Error> {
-        self.each_run(|run| {
-            let push = HybridPush { walk: self.binned.walk(run.number), k, core_alpha_min };
-            let over = Run::new(self.binned.over_blocks());
-            Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
-        })
-    }
-
-    /// `averaged`: the last round has a tail.
-    fn record_rounds<'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        pass: &HybridOriented<'a>,
-        rounds: &[u32],
-        (core_alpha_min, averaged): (f32, bool),
-    ) -> Result<(), Error> {
-        rounds.iter().enumerate().try_for_each(|(i, slots)| {
-            let round = Round { slots: *slots, behind: i > 0, tail: averaged && i + 1 == rounds.len() };
-            self.each_run(|run| {
-                let push = RoundPush { walk: self.binned.walk(run.number), core_alpha_min };
-                let over = Run::new(self.binned.over_blocks());
-                Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
-            })
-        })
-    }
-}
-
 /// Runs over all tiles that it takes to get through the longest list.
 fn runs_over(binned: Binned, rounds: &[u32]) -> u32 {
     if rounds.is_empty() { binned.segments() } else { binned.region_segments() }
@@ -461,13 +304,12 @@ fn runs_over(binned: Binned, rounds: &[u32]) -> u32 {
 
 /// A variant of the stages, from that of shape and falloff.
 fn sum_variant(shape: Variant, run: OneRun) -> Variant {
-    bin::fold_blocks_variant(shape, run.number > 0, run.lanes).with("KEPT", u32::from(run.of > 1))
+    run.keeping(bin::fold_blocks_variant(shape, run))
 }
 
 /// A variant of `hybrid` over oriented discs.
 fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
-    bin::region_variant(shape, run.number > 0, run.lanes)
-        .with("KEPT", u32::from(run.of > 1))
+    fading::leaving(shape, run)
         .with("BEHIND", u32::from(round.behind))
         .with("TAIL", u32::from(round.tail))
         .constant("SLOTS", round.slots)
@@ -476,10 +318,7 @@ fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
 
 /// A variant of `mlab`.
 fn layer_variant(shape: Variant, run: OneRun, slots: u32) -> Variant {
-    bin::region_variant(shape, run.number > 0, run.lanes)
-        .with("KEPT", u32::from(run.of > 1))
-        .constant("SLOTS", slots)
-        .each("slot", slots)
+    fading::leaving(shape, run).constant("SLOTS", slots).each("slot", slots)
 }
 
 /// Returns the number of bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of
@@ -504,28 +343,11 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
 }
 
-/// The variants of a pass: footprints and all falloffs with all of some ways, each with one run, and the first and
-/// second of two.
-fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun, &W) -> Variant) -> Vec<Variant> {
-    let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
-        .into_iter()
-        .flat_map(|(number, of)| Lanes::all().into_iter().map(move |lanes| OneRun { number, of, lanes }))
-        .collect();
-    let shapes =
-        footprints.iter().flat_map(|footprint| <(Cut, Falloff)>::all().into_iter().map(move |o| (*footprint, o)));
-    let mut all = Vec::new();
-    for (footprint, (cut, falloff)) in shapes {
-        let shape = compose::variant(cut, footprint, falloff);
-        for way in ways {
-            all.extend(runs.iter().map(|run| of(shape.clone(), *run, way)));
-        }
-    }
-    all
-}
-
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let sums = |footprints: &[Footprint]| variants(footprints, &[()], |shape, run, ()| sum_variant(shape, run));
+    let sums = |footprints: &[Footprint]| {
+        bin::run_variants(compose::variants_of(footprints), &[()], |shape, run, ()| sum_variant(shape, run))
+    };
     // The last round, which is the first one or not, has the slots that are left, and a tail or not.
     let flags = [false, true].into_iter().flat_map(|behind| [false, true].map(|tail| (behind, tail)));
     let round = |slots| flags.clone().map(move |(behind, tail)| Round { slots, behind, tail });
@@ -538,12 +360,10 @@ pub fn shaders() -> Vec<Shader> {
         Shader::new::<Unsorted>(sums(&DISCS)),
         Shader::new::<HybridFlat>(sums(&flat)),
         Shader::new::<HybridFront>(sums(&flat)),
-        Shader::new::<HybridOriented>(variants(&crossing, &rounds, |shape, run, round| {
-            round_variant(shape, run, *round)
-        })),
+        Shader::new::<HybridOriented>(bin::run_variants(compose::variants_of(&crossing), &rounds, round_variant)),
         gather,
         weigh,
-        Shader::new::<Layers>(variants(&DISCS, &LAYER_SLOTS, |shape, run, slots| layer_variant(shape, run, *slots))),
+        Shader::new::<Layers>(bin::run_variants(compose::variants(), &LAYER_SLOTS, layer_variant)),
     ]
 }
 

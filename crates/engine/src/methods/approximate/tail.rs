@@ -2,12 +2,12 @@
 //! moments of each pixel's other fragments, the second their colors, weighted by the light that moments leave before
 //! them.
 
-use super::{Sums, SumsGroup};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Slice};
+use crate::gpu::{Recorder, Slice, Variant};
 use crate::methods::Error;
-use crate::methods::fading::{self, Estimate, Stages, learning, leaving, with_moments};
-use crate::passes::bin::{TileWalk, Tiled, TiledGroup};
+use crate::methods::fading::{self, Estimate, leaving, with_moments};
+use crate::methods::tiled::{Sums, SumsGroup};
+use crate::passes::bin::{self, Binned, TileWalk, Tiled, TiledGroup};
 use crate::scene::{MomentCount, Moments};
 use crate::{gpu_struct, pass};
 
@@ -16,7 +16,7 @@ gpu_struct! {
     pub struct TailPush {
         walk: TileWalk,
         estimate: Estimate,
-        core_alpha_min: f32,
+        core_alpha_min: f32, // The least opacity of a fragment that is composed exactly.
     }
 }
 
@@ -28,9 +28,7 @@ pass! {
         lasts: Read<[u32; 2]>,
         known: ReadWrite<[f32; 2]>,
     }
-}
 
-pass! {
     /// Sums the colors of the same fragments, weighted by the light before them, and puts them behind the others.
     pub WeighTail(TailPush) = "hybrid/weigh" in "approximate/hybrid_weigh" {
         tiles: Shared<TiledGroup>,
@@ -56,13 +54,16 @@ pub(super) struct Tail<'a> {
 
 impl<'a> Tail<'a> {
     /// Records both stages over all tiles.
-    pub fn record(&self, recorder: &mut Recorder<'a>, stages: &Stages) -> Result<(), Error> {
+    pub fn record(&self, recorder: &mut Recorder<'a>, binned: Binned, shape: &Variant) -> Result<(), Error> {
         let Self { tiles, sums, lasts, known, moments, core_alpha_min, depth_range } = *self;
         let estimate = Estimate::new(&Moments { moments, ..Moments::default() }, depth_range);
-        let push = |number| TailPush { walk: stages.binned.walk(number), estimate, core_alpha_min };
+        let push = |walk| TailPush { walk, estimate, core_alpha_min };
         let counted = |variant| with_moments(variant, moments.get());
-        stages.record(recorder, &GatherTail { tiles, lasts, known }, push, |s, run| counted(learning(s, run)))?;
-        stages.record(recorder, &WeighTail { tiles, sums, lasts, known }, push, |s, run| counted(leaving(s, run)))
+        let (runs, gather) = (binned.region_segments(), GatherTail { tiles, lasts, known });
+        let learning = |run| counted(bin::region_variant(shape.clone(), run));
+        binned.record_runs(recorder, &gather, runs, push, learning)?;
+        let weigh = WeighTail { tiles, sums, lasts, known };
+        Ok(binned.record_runs(recorder, &weigh, runs, push, |run| counted(leaving(shape.clone(), run)))?)
     }
 }
 
@@ -73,5 +74,8 @@ pub(super) fn pixel_bytes(moments: MomentCount) -> u64 {
 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> [Shader; 2] {
-    [Shader::new::<GatherTail>(fading::by_moments(learning)), Shader::new::<WeighTail>(fading::by_moments(leaving))]
+    [
+        Shader::new::<GatherTail>(fading::by_moments(bin::region_variant)),
+        Shader::new::<WeighTail>(fading::by_moments(leaving)),
+    ]
 }

@@ -5,15 +5,15 @@ use std::cell::{Cell, RefCell};
 use super::lists::{self, Wanted};
 use super::{Sink, Source};
 use crate::methods::abuffer::{self, Sampling, Shown, Slots, StoreFragments, Taken, WindowJob};
-use crate::methods::bytes::PassRuns;
 use crate::methods::ellipsoids::Ellipsoids;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Explain, Plan};
 use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
-use crate::methods::{Buffers, Error, Frame, Outcome, Resources, sorted};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop};
 use crate::output::deep::State;
 use crate::passes::bands::{Budget, Window};
+use crate::passes::compose;
 use crate::passes::project::DeviceCloud;
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{Discs, Kernel};
@@ -60,7 +60,7 @@ impl DeepEngine<'_> {
         let bodies = self.state == State::Sorted;
         // Of an event a surface, and what lies behind it.
         let each = if storing.needs().every_run && !bodies { 2 } else { 1 };
-        let ends = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
+        let ends = compose::stop(Stop::Exact, frame.color, 1.0);
         let job = WindowJob { raster, discs, storing, stop: ends, shown: Shown::First, budget, samples: Some(each) };
         let wanted = Wanted { state: self.state, layers, stop };
         let most = lists.samples(work, &job, Sampling { bodies }, &mut |taken| self.take(taken, None, wanted))?;
@@ -86,10 +86,6 @@ impl Engine for DeepEngine<'_> {
         }
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let most = match &self.source {
             Source::Discs(discs, layers) => self.discs(cloud, buffers, work, (*discs, *layers))?,
@@ -102,17 +98,9 @@ impl Engine for DeepEngine<'_> {
         self.most.set(self.most.get() + most);
         Ok(Outcome::Done)
     }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
-    }
 }
 
 impl Explain for DeepEngine<'_> {
-    fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
-        None
-    }
-
     /// Frames with plans are those of images.
     fn explain(&self, _plan: &mut Plan<'_>) {}
 }

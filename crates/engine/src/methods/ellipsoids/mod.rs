@@ -15,18 +15,18 @@ mod passes;
 pub use passes::*;
 
 use super::abuffer::{
-    self, Blender, Blending, Bodies, LOCAL_LENGTH, Needs, RUN_PIXEL_BYTES, Room, Runs, Shown, StoreFragments,
-    composing_variant, long_groups,
+    self, Blending, Bodies, Counting, LOCAL_LENGTH, Needs, RUN_PIXEL_BYTES, RunSums, Runs, Sampled, Shown,
+    StoreFragments, Storing, composing_variant,
 };
-use super::soft::Carry;
-use super::{Error, Target, linked_list};
+use super::soft::record_carry;
+use super::{Error, linked_list};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Run, Slice, Variant};
+use crate::gpu::{Recorder, Slice, Variant};
 use crate::passes::bands::Band;
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{self, Chunk, Raster};
+use crate::passes::raster::{self, Chunk};
 use crate::passes::tiles::SEGMENT;
 use crate::scene::Falloff;
 
@@ -55,58 +55,38 @@ impl StoreFragments for Ellipsoids {
         RUN_PIXEL_BYTES
     }
 
-    fn record_count<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        counts: Slice<'a, u32>,
-        bodies: Slice<'a, u32>,
-    ) -> Result<(), Error> {
+    fn record_count<'a>(&'a self, recorder: &mut Recorder<'a>, counting: Counting<'a>) -> Result<(), Error> {
+        let Counting { raster, counts, bodies } = counting;
         raster.record_tiles(recorder)?;
         let whole = Band::whole(raster.window, 0);
         Ok(raster.record(recorder, &whole, |chunk: Chunk<'a>| Count { chunk, counts, bodies })?)
     }
 
-    fn record_store<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        band: &Band,
-        room: &'a Room,
-        longest: u32,
-    ) -> Result<(), Error> {
+    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error> {
+        let Storing { raster, band, room, .. } = storing;
         if self.linked {
-            return linked_list::record(recorder, room, (band, longest), |recorder, linking| {
-                let linked_list::Linking { heads, node_count, nodes, links } = linking;
-                Ok(raster.record(recorder, band, |chunk: Chunk<'a>| Link { chunk, heads, node_count, nodes, links })?)
+            return linked_list::record(recorder, storing, |recorder, lists| {
+                Ok(raster.record(recorder, &band, |chunk: Chunk<'a>| Link { chunk, lists })?)
             });
         }
         let (cursors, fragments) = (room.counts.get().all(), room.fragments.get().all());
-        Ok(raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors, fragments })?)
+        Ok(raster.record(recorder, &band, |chunk: Chunk<'a>| Store { chunk, cursors, fragments })?)
     }
 
-    fn record_blend<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        target: &'a Target,
-    ) -> Result<(), Error> {
-        let sorted = blender.record_every_list(recorder, blending)?;
-        let (shown, falloff) = (blending.job.shown, blending.job.discs.falloff);
-        let sums = blender.long().sums.get().all();
-        let Runs { composing, cut, work, runs, lists, fragments, partials, .. } = sorted;
+    fn record_blend<'a>(&'a self, recorder: &mut Recorder<'a>, blending: &Blending<'a>) -> Result<(), Error> {
+        let Blending { blender, target, .. } = *blending;
+        let runs = blender.record_every_list(recorder, blending)?;
+        let (shown, sums, partials) = (blending.job.shown, blender.long().sums.get().all(), runs.partials);
+        let variant = run_variant(runs.cut, blending.job.discs.falloff);
         if blending.lengths.longest > LOCAL_LENGTH {
-            record_sums(recorder, blender, &sorted, falloff)?;
+            record_sums(recorder, &runs, sums, variant.clone())?;
         }
-        let blend = BlendRuns { composing, work, runs, fragments, sums, partials };
-        let variant = composing_variant(run_variant(cut, falloff), shown);
-        recorder.run(&blend, (), &Run::new(long_groups(work, 0)).variant(variant))?;
+        let blend = BlendRuns { sorted: runs.sorted, sums, partials };
+        recorder.run(&blend, (), &runs.over_runs(composing_variant(variant.clone(), shown)))?;
         blender.record_combine(recorder, shown, target)?;
         if shown == Shown::Median {
-            let depths = target.depths();
-            let median = Median { composing, work, lists, runs, fragments, sums, partials, depths };
-            recorder.run(&median, (), &Run::new(long_groups(work, 4)).variant(run_variant(cut, falloff)))?;
+            let median = Median { sorted: runs.listed(), sums, partials, depths: target.depths() };
+            recorder.run(&median, (), &runs.over_lists(variant))?;
         }
         Ok(())
     }
@@ -115,36 +95,31 @@ impl StoreFragments for Ellipsoids {
     fn record_samples<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
         blending: &Blending<'a>,
         bodies: bool,
-        (sample_colors, sample_depths): (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+        samples: Sampled<'a>,
     ) -> Result<(), Error> {
-        let sorted = blender.record_every_list(recorder, blending)?;
-        let falloff = blending.job.discs.falloff;
-        if blending.lengths.longest > LOCAL_LENGTH && !bodies {
-            record_sums(recorder, blender, &sorted, falloff)?;
-        }
-        let Runs { composing, cut, work, runs, fragments, .. } = sorted;
+        let blender = blending.blender;
+        let runs = blender.record_every_list(recorder, blending)?;
         let sums = blender.long().sums.get().all();
-        let samples = Samples { composing, work, runs, fragments, sums, sample_colors, sample_depths };
-        let variant = samples_variant(run_variant(cut, falloff), bodies);
-        Ok(recorder.run(&samples, (), &Run::new(long_groups(work, 0)).variant(variant))?)
+        let variant = run_variant(runs.cut, blending.job.discs.falloff);
+        if blending.lengths.longest > LOCAL_LENGTH && !bodies {
+            record_sums(recorder, &runs, sums, variant.clone())?;
+        }
+        let taking = runs.over_runs(samples_variant(variant, bodies));
+        Ok(recorder.run(&Samples { sorted: runs.sorted, sums, samples }, (), &taking)?)
     }
 }
 
 /// Records what is open before each run.
 fn record_sums<'a>(
     recorder: &mut Recorder<'a>,
-    blender: &'a Blender,
-    sorted: &Runs<'a>,
-    falloff: Falloff,
+    runs: &Runs<'a>,
+    sums: Slice<'a, RunSums>,
+    variant: Variant,
 ) -> Result<(), Error> {
-    let Runs { composing, cut, work, runs, lists, fragments, .. } = *sorted;
-    let sums = blender.long().sums.get().all();
-    let over_runs = Run::new(long_groups(work, 0)).variant(run_variant(cut, falloff));
-    recorder.run(&SumRuns { composing, work, runs, fragments, sums }, (), &over_runs)?;
-    Ok(recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?)
+    recorder.run(&SumRuns { sorted: runs.sorted, sums }, (), &runs.over_runs(variant))?;
+    record_carry(recorder, runs, sums)
 }
 
 /// The variant of the passes over runs.

@@ -1,8 +1,8 @@
 //! The passes.
 
-use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial, RunSums};
+use crate::methods::abuffer::{ListedGroup, Partial, RunSums, SampledGroup, SortedGroup};
+use crate::methods::linked_list::LinkingGroup;
 use crate::pass;
-use crate::passes::compose::ComposingGroup;
 use crate::passes::raster::{ChunkGroup, RasterPush};
 
 pass! {
@@ -13,76 +13,47 @@ pass! {
         counts: ReadWrite<u32>,
         bodies: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Stores the depth key and index of each event in a slot of its pixel's range.
     pub Store(RasterPush) = "ellipsoids/store" {
         chunk: Shared<ChunkGroup>,
         cursors: ReadWrite<u32>,
         fragments: ReadWrite<[u32; 2]>,
     }
-}
 
-pass! {
     /// Takes a node for each event, and puts it before the pixel's list, for `linked-list`.
     pub Link(RasterPush) = "ellipsoids/link" {
         chunk: Shared<ChunkGroup>,
-        heads: ReadWrite<u32>,
-        node_count: ReadWrite<u32>,
-        nodes: ReadWrite<[u32; 2]>,
-        links: ReadWrite<u32>,
+        lists: Shared<LinkingGroup>,
     }
-}
 
-pass! {
     /// Sums what the events of each run of a sorted list of several add to color and density of what is open.
     pub SumRuns = "ellipsoids/sum-runs" in "ellipsoids/sum_runs" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<SortedGroup>,
         sums: ReadWrite<RunSums>,
     }
-}
 
-pass! {
     /// Finds the depth at which each list first lets through half of the light or less, for eye-dome lighting and
     /// `depth.median`, from its composed runs and the events of one.
     pub Median = "ellipsoids/median" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        lists: Read<LongList>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<ListedGroup>,
         sums: Read<RunSums>,
         partials: Read<Partial>,
         depths: ReadWrite<f32>,
     }
-}
 
-pass! {
     /// Composes the surfaces of each run, and the segments between events.
     pub BlendRuns = "ellipsoids/blend-runs" in "ellipsoids/blend_runs" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<SortedGroup>,
         sums: Read<RunSums>,
         partials: ReadWrite<Partial>,
     }
-}
 
-pass! {
     /// Writes the surfaces of each run of a sorted list and the pieces of the ray between events, for a deep EXR; or
     /// each ellipsoid as a whole, where no sample is to be split.
     pub Samples = "ellipsoids/samples" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<SortedGroup>,
         sums: Read<RunSums>,
-        sample_colors: ReadWrite<[f32; 4]>,
-        sample_depths: ReadWrite<[f32; 2]>,
+        samples: Shared<SampledGroup>,
     }
 }

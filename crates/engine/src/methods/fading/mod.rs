@@ -9,16 +9,17 @@ pub(crate) use engine::FadingEngine;
 pub use passes::*;
 
 use self::passes::with_cells;
-pub(super) use self::passes::{OneRun, by_moments, learning, leaving, with_moments};
-use super::abuffer::record_nothing;
-use super::approximate::{STATE_BYTES, Sums, beside};
+pub(super) use self::passes::{by_moments, leaving, with_moments};
 use super::engine::Work;
+use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums};
 use super::{Error, Facts, Outcome, Target};
-use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
-use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins};
+use crate::fields;
+use crate::gpu::{Device, Kept, Memory, Recorder};
+use crate::passes::bands::Budget;
+use crate::passes::bin::{self, Binned, Bins};
 use crate::passes::compose;
-use crate::scene::{Discs, MomentCount, Moments};
+use crate::passes::raster::Raster;
+use crate::scene::{MomentCount, Moments};
 
 /// The numbers that tell how the light of a pixel fades.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,8 +55,6 @@ pub(super) fn pairs(moments: MomentCount) -> u64 {
 
 /// Bytes of a pair of floats, as also the range of depths of a pixel is.
 pub(super) const PAIR_BYTES: u64 = 8;
-/// Up to so many pixels a window has room for what is known of them whatever else there is.
-const SMALL_WINDOW: u64 = 256;
 
 /// Returns the number of device bytes of a pixel while a window is rendered.
 pub fn pixel_bytes(fading: Fading) -> u64 {
@@ -68,33 +67,12 @@ fn most_pixels(budget: Budget, fading: Fading, other_bytes: u64) -> u64 {
     budget.window_pixels(other_bytes + pixel_bytes(fading)).min(bound)
 }
 
-/// Everything that stays the same while a window is rendered.
-#[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
-    /// The splats to bin.
-    pub bin: bin::Job<'a>,
-    /// Shape and falloff.
-    pub discs: Discs,
-    /// The numbers.
-    pub fading: Fading,
-    /// Near and far.
-    pub depth_range: [f32; 2],
-}
-
-/// Buffers, kept from frame to frame.
-pub struct Fadings {
-    known: Kept<[f32; 2]>,
-    ranges: Kept<[f32; 2]>,
-    state: Kept<[f32; 4]>,
-}
-
-impl Default for Fadings {
-    fn default() -> Self {
-        Self {
-            known: Kept::new("fading of pixels", Memory::Device),
-            ranges: Kept::new("ranges of depths of pixels", Memory::Device),
-            state: Kept::new("weighted sums of pixels", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Fadings {
+        known: Kept<[f32; 2]> = Kept::new("fading of pixels", Memory::Device),
+        ranges: Kept<[f32; 2]> = Kept::new("ranges of depths of pixels", Memory::Device),
+        state: Kept<[f32; 4]> = Kept::new("weighted sums of pixels", Memory::Device),
     }
 }
 
@@ -104,31 +82,18 @@ impl Fadings {
         &mut self,
         bins: &mut Bins,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        mut bin: bin::Job<'_>,
+        engine: &FadingEngine,
     ) -> Result<Outcome, Error> {
-        let (device, target, window) = (work.device, work.target, job.bin.raster.window);
-        let pixels = bands::pixels(window);
-        let mut bin = job.bin;
-        bin.counted_bytes += pixels * pixel_bytes(job.fading);
-        let small = SMALL_WINDOW * pixel_bytes(job.fading);
-        let mut recorder;
-        match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), small))? {
-            Bin::TooLarge => return Ok(Outcome::Overflow),
-            Bin::Nothing => {
-                recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
-            }
-            Bin::Done(binned) => {
-                work.note_binned(binned);
-                self.reserve(device, pixels, job.fading, binned.region_segments() > 1)?;
-                work.facts.bands += 1;
-                recorder = work.timeline.recorder(device)?;
-                self.record(bins, &mut recorder, job, binned, target)?;
-            }
-        }
-        target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.submit(recorder, "accumulate")?;
-        Ok(Outcome::Done)
+        let (device, frame, target, pixels) = (work.device, work.frame, work.target, work.pixels());
+        bin.counted_bytes += pixels * pixel_bytes(engine.fading);
+        let small = SMALL_WINDOW * pixel_bytes(engine.fading);
+        tiled::blend(bins, work, (&bin, small), "accumulate", |bins, work, binned| {
+            self.reserve(device, pixels, engine.fading, binned.region_segments() > 1)?;
+            let mut recorder = work.timeline.recorder(device)?;
+            self.record(bins, &mut recorder, (bin.raster, engine, frame.depth_range()), binned, target)?;
+            Ok(Some(recorder))
+        })
     }
 
     fn reserve(&mut self, device: &Device, pixels: u64, fading: Fading, kept: bool) -> Result<(), Error> {
@@ -144,60 +109,37 @@ impl Fadings {
         &'a self,
         bins: &'a Bins,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        (raster, engine, depth_range): (Raster<'a>, &FadingEngine, [f32; 2]),
         binned: Binned,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
-        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
-        let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
+        let tiles = bins.record_tiles(recorder, raster.cloud, binned)?.tiled;
+        let sums = Sums { into: target.pixels(), kept: self.state.get().all() };
+        let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
         let (known, ranges) = (self.known.get().all(), self.ranges.get().all());
-        let stages = Stages { shape, binned };
-        match job.fading {
+        let runs = binned.region_segments();
+        let learning = |run| bin::region_variant(shape.clone(), run);
+        let leaving = |run| leaving(shape.clone(), run);
+        match engine.fading {
             Fading::Moments(moments) => {
-                let estimate = Estimate::new(&moments, job.depth_range);
-                let push = |number| MomentPush { walk: binned.walk(number), estimate };
+                let estimate = Estimate::new(&moments, depth_range);
+                let push = |walk| MomentPush { walk, estimate };
                 let counted = |variant| with_moments(variant, moments.moments.get());
-                stages.record(recorder, &GatherMoments { tiles, known }, push, |s, run| counted(learning(s, run)))?;
-                stages.record(recorder, &WeighByMoments { tiles, sums, known }, push, |s, run| counted(leaving(s, run)))
+                let (gather, weigh) = (GatherMoments { tiles, known }, WeighByMoments { tiles, sums, known });
+                binned.record_runs(recorder, &gather, runs, push, |run| counted(learning(run)))?;
+                binned.record_runs(recorder, &weigh, runs, push, |run| counted(leaving(run)))?;
             }
             Fading::Wavelet(rank) => {
-                let push = |number| WaveletPush { walk: binned.walk(number) };
+                let push = |walk| SumPush { walk };
                 let cut = |variant| with_cells(variant, 2 << rank);
+                let gather = GatherCells { tiles, ranges, cells: known };
                 let weigh = WeighByCells { tiles, sums, ranges, cells: known };
-                stages.record(recorder, &FindRange { tiles, ranges }, push, learning)?;
-                stages.record(recorder, &GatherCells { tiles, ranges, cells: known }, push, |s, run| {
-                    cut(learning(s, run))
-                })?;
-                stages.record(recorder, &weigh, push, |s, run| cut(leaving(s, run)))
+                binned.record_runs(recorder, &FindRange { tiles, ranges }, runs, push, learning)?;
+                binned.record_runs(recorder, &gather, runs, push, |run| cut(learning(run)))?;
+                binned.record_runs(recorder, &weigh, runs, push, |run| cut(leaving(run)))?;
             }
         }
-    }
-}
-
-/// Stages over all tiles.
-pub(super) struct Stages {
-    /// Shape and falloff.
-    pub shape: Variant,
-    /// The tiles.
-    pub binned: Binned,
-}
-
-impl Stages {
-    /// Runs a stage until the longest list of a tile is done.
-    pub fn record<'a, P: Pass + 'a>(
-        &self,
-        recorder: &mut Recorder<'a>,
-        pass: &P,
-        push: impl Fn(u32) -> P::Push,
-        variant: impl Fn(Variant, OneRun) -> Variant,
-    ) -> Result<(), Error> {
-        let of = self.binned.region_segments();
-        (0..of).try_for_each(|number| {
-            let run = OneRun { later: number > 0, kept: of > 1, lanes: self.binned.lanes() };
-            let over = Run::new(self.binned.over_blocks());
-            Ok(recorder.run(pass, push(number), &over.variant(variant(self.shape.clone(), run)))?)
-        })
+        Ok(())
     }
 }
 

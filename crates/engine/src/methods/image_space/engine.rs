@@ -1,8 +1,8 @@
 //! The engine of `image-space`, and the parts that `peel-layers` shares with it.
 
-use super::{Filter, WindowJob, halo, least_bytes, windows};
+use super::{Filter, Filterer, WindowJob, halo, least_bytes, windows};
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work};
+use crate::methods::engine::{Engine, Work};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::points;
 use crate::methods::{Buffers, Error, Frame, Outcome};
@@ -36,21 +36,13 @@ impl Engine for ImageSpaceEngine {
         false
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     /// The filters' work depends on the image, so a survey renders it, too.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let how = work.frame.projecting_points(cloud);
         let job = self.filtering().job(cloud, work, &how);
-        buffers.resources.filterer.render(work, &job)?;
+        buffers.resources.own.of::<Filterer>(work.device)?.render(work, &job)?;
         finish(cloud, work);
         Ok(Outcome::Done)
-    }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
     }
 }
 

@@ -21,9 +21,11 @@ pub use passes::{
 
 use super::engine::Work;
 use super::opaque::NearestSplat;
+use super::own::Made;
 use super::peel::PeelWork;
 use super::points::{self, Choice};
 use super::{Error, Facts};
+use crate::fields;
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::compose::Cut;
@@ -157,35 +159,28 @@ pub(super) struct Emptied<'a> {
     pub list: Slice<'a, u32>,
 }
 
-/// Buffers of filtered images, kept from frame to frame.
-pub struct Filterer {
-    pub(super) nearest: Kept<NearestSplat>,
-    tiles: Kept<[u32; 4]>,
-    pub(super) depths: Kept<f32>,
-    pub(super) colors: Kept<[f32; 4]>,
-    pub(super) entries: Kept<[u32; 2]>,
-    slots: Kept<u32>,
-    totals: Buffer<u32>,
-    totals_host: Buffer<u32>,
-    pub(super) work: Buffer<PeelWork>,
+fields! {
+    /// Buffers of filtered images, kept from frame to frame.
+    pub struct Filterer by device {
+        pub(super) nearest: Kept<NearestSplat> = Kept::new("nearest points", Memory::Device),
+        tiles: Kept<[u32; 4]> = Kept::new("image tiles", Memory::Device),
+        pub(super) depths: Kept<f32> = Kept::new("tile depths", Memory::Device),
+        pub(super) colors: Kept<[f32; 4]> = Kept::new("tile colors", Memory::Device),
+        pub(super) entries: Kept<[u32; 2]> = Kept::new("listed tiles", Memory::Device),
+        slots: Kept<u32> = Kept::new("filter dispatches", Memory::Device),
+        totals: Buffer<u32> = device.buffer("filtered tiles", 4, Memory::Device)?,
+        totals_host: Buffer<u32> = device.buffer("filtered tiles, host", 4, Memory::Readback)?,
+        pub(super) work: Buffer<PeelWork> = device.buffer("layer work", 1, Memory::Device)?,
+    }
+}
+
+impl Made for Filterer {
+    fn made(device: &Device) -> Result<Self, Error> {
+        Ok(Self::new(device)?)
+    }
 }
 
 impl Filterer {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            nearest: Kept::new("nearest points", Memory::Device),
-            tiles: Kept::new("image tiles", Memory::Device),
-            depths: Kept::new("tile depths", Memory::Device),
-            colors: Kept::new("tile colors", Memory::Device),
-            entries: Kept::new("listed tiles", Memory::Device),
-            slots: Kept::new("filter dispatches", Memory::Device),
-            totals: device.buffer("filtered tiles", 4, Memory::Device)?,
-            totals_host: device.buffer("filtered tiles, host", 4, Memory::Readback)?,
-            work: device.buffer("layer work", 1, Memory::Device)?,
-        })
-    }
-
     /// Renders a window of one opaque image, which a survey does not bring to the target.
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
         let device = work.device;
@@ -200,8 +195,7 @@ impl Filterer {
         if !work.survey {
             let target = work.target;
             let pixels = bands::pixels(job.window);
-            recorder.fill("image/clear", target.image().first(pixels), 0)?;
-            recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+            target.pixels().record_nothing(&mut recorder, job.window)?;
             let (entries, depths, colors) = (self.entries.get().all(), self.depths(job), self.colors(job));
             let (image, image_depths) = (target.image(), target.depths());
             let deliver = Deliver { entries, depths, colors, image, image_depths };
@@ -281,8 +275,7 @@ impl Filterer {
         let (nearest, tiles) = (self.nearest(job).cast(), self.tiles.get().all());
         let dispatch = emptied.map_or(job.measure_dispatch(), |e| Dispatch::Indirect(e.measure));
         let measure = Measure { nearest, tiles, work: self.work.all() };
-        recorder.run(&measure, Self::resolve_push(job), &Run::new(dispatch))?;
-        Ok(())
+        Ok(recorder.run(&measure, Self::resolve_push(job), &Run::new(dispatch))?)
     }
 
     fn resolve_push(job: &WindowJob<'_>) -> ResolvePush {
@@ -313,8 +306,7 @@ impl Filterer {
         };
         let variant = resolve_variant(job.how.shaded(cloud.has_normals()).cut(cut), job.transparent);
         let run = Run::new(self.listed_dispatch(0)).variant(variant);
-        recorder.run(&resolve, Self::resolve_push(job), &run)?;
-        Ok(())
+        Ok(recorder.run(&resolve, Self::resolve_push(job), &run)?)
     }
 
     /// The tiles of a work list.
@@ -367,8 +359,7 @@ impl Filterer {
         let (distance, threshold) = (job.distance, job.filters.antialias_threshold);
         let push = ListPush { columns, rows, before, slot, distance, threshold };
         let dispatch = emptied.map_or(job.list_dispatch(), |e| Dispatch::Indirect(e.list));
-        recorder.run(&list, push, &Run::new(dispatch).variant(listed.variant()))?;
-        Ok(())
+        Ok(recorder.run(&list, push, &Run::new(dispatch).variant(listed.variant()))?)
     }
 
     fn record_filter<'a>(

@@ -9,44 +9,39 @@ use crate::{gpu_struct, group, pass};
 gpu_struct! {
     /// Push constants of `image-space/measure` and `image-space/resolve`.
     pub struct ResolvePush {
-        columns: u32,
-        width: u32,
+        columns: u32, // Columns of tiles.
+        width: u32, // Size of the rectangle in work, in pixels.
         height: u32,
     }
-}
 
-gpu_struct! {
     /// Push constants of `image-space/list`.
     pub struct ListPush {
-        columns: u32,
+        columns: u32, // Columns and rows of tiles.
         rows: u32,
+        // The run before, where the filter ran already: what it left alone then, with all around, stays. Else 0.
         before: u32,
-        slot: u32,
+        slot: u32, // Whose dispatch this is.
         distance: f32,
         threshold: f32,
     }
-}
 
-gpu_struct! {
     /// Push constants of the filters.
     pub struct FilterPush {
-        columns: u32,
+        columns: u32, // Columns of tiles, and all tiles.
         tiles: u32,
-        width: u32,
+        width: u32, // Size of the rectangle in work, in pixels.
         height: u32,
-        run: u32,
-        distance: f32,
+        run: u32, // The run of a filter: each has its number.
+        distance: f32, // d~ in world units, far, and the share of an edge from which on it is softened.
         far: f32,
         threshold: f32,
     }
-}
 
-gpu_struct! {
     /// Push constants of `image-space/deliver`.
     pub struct DeliverPush {
-        columns: u32,
+        columns: u32, // Columns of tiles, and all tiles.
         tiles: u32,
-        left: u32,
+        left: u32, // The window's corner in the rectangle in work, and its size.
         top: u32,
         width: u32,
         height: u32,
@@ -61,9 +56,7 @@ pass! {
         tiles: ReadWrite<[u32; 4]>,
         work: ReadWrite<PeelWork>,
     }
-}
 
-pass! {
     /// Turns the index of the nearest point of each pixel, in tiles with points, into color, shaded only here, and
     /// depth; with `peel-layers` by its opacity.
     pub Resolve(ResolvePush) = "image-space/resolve" in "image_space/resolve" {
@@ -77,9 +70,7 @@ pass! {
         depths: ReadWrite<f32>,
         colors: ReadWrite<[f32; 4]>,
     }
-}
 
-pass! {
     /// Lists the tiles that the next pass may change, by their contents and those of the 8 tiles around, and sets that
     /// pass's indirect dispatch. It runs once before each pass over listed tiles.
     pub List(ListPush) = "image-space/list" in "image_space/list" {
@@ -87,6 +78,30 @@ pass! {
         entries: ReadWrite<[u32; 2]>,
         arguments: ReadWrite<u32>,
         totals: ReadWrite<u32>,
+    }
+
+    /// Gives background within a surface the values of the nearest of its 3 × 3 pixels; once for each iteration, over
+    /// listed tiles.
+    pub Fill(FilterPush) = "image-space/fill" in "image_space/fill",
+    /// Gives pixels that are seen through a hole, with others d̃ before them, the values of the nearest of their 3 × 3
+    /// pixels; once for each iteration, over listed tiles.
+    pub Occlusion(FilterPush) = "image-space/occlusion" in "image_space/occlusion",
+    /// Replaces each pixel by the weighted mean of the 3 × 3 around it that are not background; once for each
+    /// iteration, over listed tiles.
+    pub Smooth(FilterPush) = "image-space/smooth" in "image_space/smooth",
+    /// Blends color and alpha of each pixel with those of its four neighbors where depths have an edge, over listed
+    /// tiles.
+    pub Antialias(FilterPush) = "image-space/antialias" in "image_space/antialias" {
+        tiled: Shared<TiledGroup>,
+    }
+
+    /// Copies each pixel of tiles that are not background alone to its place in the window.
+    pub Deliver(DeliverPush) = "image-space/deliver" in "image_space/deliver" {
+        entries: Read<[u32; 2]>,
+        depths: Read<f32>,
+        colors: Read<[f32; 4]>,
+        image: ReadWrite<[f32; 4]>,
+        image_depths: ReadWrite<f32>,
     }
 }
 
@@ -101,49 +116,6 @@ group! {
         depths: ReadWrite<f32>,
         /// Both sides of all tiles' colors, and one more.
         colors: ReadWrite<[f32; 4]>,
-    }
-}
-
-pass! {
-    /// Gives background within a surface the values of the nearest of its 3 × 3 pixels; once for each iteration, over
-    /// listed tiles.
-    pub Fill(FilterPush) = "image-space/fill" in "image_space/fill" {
-        tiled: Shared<TiledGroup>,
-    }
-}
-
-pass! {
-    /// Gives pixels that are seen through a hole, with others d̃ before them, the values of the nearest of their 3 × 3
-    /// pixels; once for each iteration, over listed tiles.
-    pub Occlusion(FilterPush) = "image-space/occlusion" in "image_space/occlusion" {
-        tiled: Shared<TiledGroup>,
-    }
-}
-
-pass! {
-    /// Replaces each pixel by the weighted mean of the 3 × 3 around it that are not background; once for each
-    /// iteration, over listed tiles.
-    pub Smooth(FilterPush) = "image-space/smooth" in "image_space/smooth" {
-        tiled: Shared<TiledGroup>,
-    }
-}
-
-pass! {
-    /// Blends color and alpha of each pixel with those of its four neighbors where depths have an edge, over listed
-    /// tiles.
-    pub Antialias(FilterPush) = "image-space/antialias" in "image_space/antialias" {
-        tiled: Shared<TiledGroup>,
-    }
-}
-
-pass! {
-    /// Copies each pixel of tiles that are not background alone to its place in the window.
-    pub Deliver(DeliverPush) = "image-space/deliver" in "image_space/deliver" {
-        entries: Read<[u32; 2]>,
-        depths: Read<f32>,
-        colors: Read<[f32; 4]>,
-        image: ReadWrite<[f32; 4]>,
-        image_depths: ReadWrite<f32>,
     }
 }
 

@@ -4,14 +4,14 @@ use super::record;
 use crate::gpu::DeviceInfo;
 use crate::methods::abuffer::{self, list_bytes};
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Channels, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
-use crate::methods::{Buffers, Error, Frame, Outcome, sorted, tiled};
+use crate::methods::{Buffers, Error, Frame, Outcome, tiled};
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Stats};
 use crate::passes::raster::{Raster, Walker};
-use crate::scene::{BlendedSplats, Discs, OneLayer};
+use crate::scene::{BlendedSplats, OneLayer};
 
 /// The nearest soft points as a transparent layer over everything else.
 pub(crate) struct OneLayerEngine {
@@ -45,17 +45,7 @@ fn count(
     let Some(budget) = work.reserve_tiles(tiles, stats, true)? else { return Ok(Outcome::Overflow) };
     work.budget = budget;
     let raster = Raster { cloud, stats, tiles, walker: Walker::Compute, footprint, window: work.window };
-    let stop = sorted::stop(work.frame.stop, work.frame.color, 1.0);
-    let job = abuffer::WindowJob {
-        raster,
-        discs: Discs::default(),
-        storing: &abuffer::Slots,
-        stop,
-        shown: abuffer::Shown::First,
-        budget,
-        samples: None,
-    };
-    resources.lists.tally(work, &job)
+    resources.lists.tally(work, raster)
 }
 
 impl Engine for OneLayerEngine {
@@ -120,10 +110,6 @@ impl Engine for OneLayerEngine {
         }
         work.read_back()?;
         Ok(Outcome::Done)
-    }
-
-    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        tiled::counts(buffers, frame, window)
     }
 }
 

@@ -8,7 +8,7 @@ mod engine;
 
 pub(crate) use engine::{OneLayerEngine, pass_group};
 
-use super::{Error, Pixels};
+use super::{Error, Pixels, PixelsGroup};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run};
 use crate::passes::bands::{self, Window};
@@ -18,7 +18,7 @@ gpu_struct! {
     /// Push constants of `one-layer/compose`: pixels of the window, and the layer's opacity.
     pub struct ComposePush {
         count: u32,
-        softness: f32,
+        softness: f32, // Opacity of the layer.
     }
 }
 
@@ -28,8 +28,7 @@ pass! {
     pub Compose(ComposePush) = "one-layer/compose" in "one_layer/compose" {
         layer: Read<[f32; 4]>,
         layer_depths: Read<f32>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }
 
@@ -42,8 +41,7 @@ pub fn record<'a>(
     softness: f32,
 ) -> Result<(), Error> {
     let pixels = bands::pixels(window);
-    let (image, depths) = (onto.image, onto.depths);
-    let pass = Compose { layer: layer.image, layer_depths: layer.depths, image, depths };
+    let pass = Compose { layer: layer.image, layer_depths: layer.depths, into: onto };
     let push = ComposePush { count: pixels as u32, softness };
     Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)))?)
 }

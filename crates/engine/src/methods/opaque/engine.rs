@@ -1,8 +1,8 @@
 //! The engine of opaque splats where only the nearest one counts.
 
-use super::PIXEL_BYTES;
+use super::{Opaque, PIXEL_BYTES};
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Absent, COUNTERS, Explain, NOTHING, PassGroup, Plan, TILES};
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
@@ -30,10 +30,6 @@ impl Engine for NearestEngine {
         Extent::squares(frame.factors.radius * self.splats.size)
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     fn render(
         &self,
         cloud: &mut DeviceCloud,
@@ -49,15 +45,11 @@ impl Engine for NearestEngine {
         }
         if !work.survey {
             let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
-            resources.opaque.render(work, &raster, self.relief)?;
+            resources.own.of::<Opaque>(work.device)?.render(work, &raster, self.relief)?;
             work.finish();
         }
         work.note(&stats, walker);
         Ok(Outcome::Done)
-    }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
     }
 }
 

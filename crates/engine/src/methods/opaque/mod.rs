@@ -7,17 +7,17 @@ mod engine;
 pub(crate) use engine::{NearestEngine, counter_group, pass_group, tile_group};
 
 use super::engine::Work;
-use super::{Error, abuffer};
+use super::{Error, PixelsGroup};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Kept, Memory, Run, Variant};
 use crate::passes::bands::{self, Band};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{self, ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, ChunkGroup, CountPush, Raster, RasterPush};
 use crate::passes::tiles::SEGMENT;
 use crate::scene::{Falloff, Relief};
-use crate::{choices, gpu_struct, pass};
+use crate::{choices, fields, gpu_struct, pass};
 
 gpu_struct! {
     /// A pixel's nearest splat.
@@ -33,31 +33,20 @@ pass! {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<u64>,
     }
-}
 
-pass! {
     /// Finds the depth of `opaque/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(RasterPush) = "opaque/nearest-depth" in "opaque/nearest" with "nearest_depth" {
-        chunk: Shared<ChunkGroup>,
-        nearest: ReadWrite<NearestSplat>,
-    }
-}
-
-pass! {
+    pub NearestDepth(RasterPush) = "opaque/nearest-depth" in "opaque/nearest" with "nearest_depth",
     /// Finds the smallest index at the depth of `opaque/nearest-depth`.
     pub NearestId(RasterPush) = "opaque/nearest-id" in "opaque/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
-}
 
-pass! {
     /// Turns the index of the nearest splat of each pixel into color and depth.
-    pub Resolve(abuffer::CountPush) = "opaque/resolve" {
+    pub Resolve(CountPush) = "opaque/resolve" {
         composing: Shared<ComposingGroup>,
         nearest: Read<NearestSplat>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }
 
@@ -69,14 +58,10 @@ fn relief_variant(walker: Variant, relief: Relief) -> Variant {
 /// Device bytes per pixel of a window.
 pub const PIXEL_BYTES: u64 = 8;
 
-/// Buffers of opaque splats, kept from frame to frame.
-pub struct Opaque {
-    pub(super) nearest: Kept<NearestSplat>,
-}
-
-impl Default for Opaque {
-    fn default() -> Self {
-        Self { nearest: Kept::new("nearest splats", Memory::Device) }
+fields! {
+    /// Buffers of opaque splats, kept from frame to frame.
+    pub struct Opaque {
+        pub(super) nearest: Kept<NearestSplat> = Kept::new("nearest splats", Memory::Device),
     }
 }
 
@@ -91,20 +76,19 @@ impl Opaque {
         let nearest = self.nearest.get().slice(0, pixels);
         recorder.fill("project/clear", nearest, u32::MAX)?;
         raster.record_tiles(&mut recorder)?;
-        let all = &Band::whole(raster.window, 0);
+        let all = (&Band::whole(raster.window, 0), SEGMENT);
         let moved = |variant| relief_variant(variant, relief);
         if wide {
             let packed = nearest.cast();
-            raster.record_variant(&mut recorder, all, |chunk| Nearest { chunk, nearest: packed }, SEGMENT, moved)?;
+            raster.record_with(&mut recorder, all, |chunk| Nearest { chunk, nearest: packed }, None, moved)?;
         } else {
-            raster.record_variant(&mut recorder, all, |chunk| NearestDepth { chunk, nearest }, SEGMENT, moved)?;
-            raster.record_variant(&mut recorder, all, |chunk| NearestId { chunk, nearest }, SEGMENT, moved)?;
+            raster.record_with(&mut recorder, all, |chunk| NearestDepth { chunk, nearest }, None, moved)?;
+            raster.record_with(&mut recorder, all, |chunk| NearestId { chunk, nearest }, None, moved)?;
         }
         let cut = Cut::new(device, raster.cloud.len())?;
         let composing = Composing::new(raster.cloud, cut);
-        let (image, depths) = (target.image(), target.depths());
-        let resolve = Resolve { composing, nearest, image, depths };
-        let push = abuffer::CountPush { count: pixels as u32 };
+        let resolve = Resolve { composing, nearest, into: target.pixels() };
+        let push = CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;

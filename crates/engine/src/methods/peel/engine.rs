@@ -1,6 +1,6 @@
 //! The engine of `peel`.
 
-use super::{WindowJob, pixel_bytes};
+use super::{Peeler, WindowJob, pixel_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Fragments, Work, windows_of};
 use crate::methods::explain::{Absent, Explain, NOTHING, PassGroup, Plan};
@@ -43,20 +43,21 @@ impl Engine for PeelEngine {
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let (counted, switches) = (work.frame.fragments, work.switches);
         let job = WindowJob { raster, peel, counted, wide: switches.wide_atomics, limit: switches.max_layers };
+        let peeler = resources.own.of::<Peeler>(work.device)?;
         if work.survey {
-            resources.peeler.survey(work, &job)?;
+            peeler.survey(work, &job)?;
         } else {
-            resources.peeler.render(work, &job)?;
+            peeler.render(work, &job)?;
         }
         work.note(&stats, walker);
         Ok(Outcome::Done)
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        if !frame.fragments {
+        let Some(peeler) = buffers.resources.own.there::<Peeler>().filter(|_| frame.fragments) else {
             return Ok(Counts::default());
-        }
-        let [lengths, layers] = buffers.resources.peeler.read_counts(window)?;
+        };
+        let [lengths, layers] = peeler.read_counts(window)?;
         Ok(Counts { fragments: Some(lengths), layers: Some(layers), stderr: None })
     }
 }

@@ -10,11 +10,11 @@ mod engine;
 
 pub(crate) use engine::{PeelEngine, pass_group};
 
-use super::abuffer::CountPush;
 use super::engine::Work;
 use super::opaque::NearestSplat;
+use super::own::Made;
 use super::told::Told;
-use super::{Error, Facts, Target};
+use super::{Error, Facts, PixelsGroup, Target};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
@@ -22,9 +22,10 @@ use crate::passes::bands::{self, Band, Window};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::foresight::Knowledge;
 use crate::passes::project::{DISCS, Footprint};
-use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, Chunk, ChunkGroup, CountPush, Raster, RasterPush};
+use crate::passes::tiles::SEGMENT;
 use crate::scene::{Falloff, Peel};
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 /// Layers of a submission. Longer ones save nothing (400 layers of 256 pixels took 0.55 s with 4 as with 128), but all
 /// that are recorded beyond the last layer cost something: frames of four layers took 4, 6, 8 and 23 ms with 4, 16, 32
@@ -51,9 +52,7 @@ pass! {
         chunk: Shared<ChunkGroup>,
         counts: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Takes the 64-bit atomic minimum of depth key and splat index at each covered pixel of each splat, among ranks
     /// behind the last one peeled.
     pub Nearest(RasterPush) = "peel/nearest" with "nearest_wide" {
@@ -61,27 +60,16 @@ pass! {
         nearest: ReadWrite<u64>,
         last: Read<[u32; 2]>,
     }
-}
 
-pass! {
     /// Finds the depth of `peel/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest" with "nearest_depth" {
-        chunk: Shared<ChunkGroup>,
-        nearest: ReadWrite<NearestSplat>,
-        last: Read<[u32; 2]>,
-    }
-}
-
-pass! {
+    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest" with "nearest_depth",
     /// Finds the smallest index at the depth of `peel/nearest-depth`.
     pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
         last: Read<[u32; 2]>,
     }
-}
 
-pass! {
     /// Blends the found fragment behind the layers of its pixel, and makes the pixel ready for the next layer.
     pub Blend(CountPush) = "peel/blend" {
         composing: Shared<ComposingGroup>,
@@ -89,12 +77,9 @@ pass! {
         last: ReadWrite<[u32; 2]>,
         work: ReadWrite<PeelWork>,
         layers: ReadWrite<u32>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
-}
 
-pass! {
     /// Empties the indirect arguments of everything that follows a layer without a fragment.
     pub Next = "peel/next" {
         work: ReadWrite<PeelWork>,
@@ -134,39 +119,31 @@ impl WindowJob<'_> {
     }
 }
 
-/// Buffers of peeling, kept from frame to frame.
-pub struct Peeler {
-    nearest: Kept<NearestSplat>,
-    last: Kept<[u32; 2]>,
-    counts: Kept<u32>,
-    layers: Kept<u32>,
-    work: Buffer<PeelWork>,
-    work_host: Buffer<PeelWork>,
-    told_counts: Told<u32>,
-    told_layers: Told<u32>,
-    /// Indirect arguments of the passes of a layer.
-    arguments: Kept<u32>,
-    /// Layers of the last window.
-    last_layers: u32,
+fields! {
+    /// Buffers of peeling, kept from frame to frame.
+    pub struct Peeler by device {
+        nearest: Kept<NearestSplat> = Kept::new("nearest fragments", Memory::Device),
+        last: Kept<[u32; 2]> = Kept::new("last fragments", Memory::Device),
+        counts: Kept<u32> = Kept::new("fragment counts", Memory::Device),
+        layers: Kept<u32> = Kept::new("layer counts", Memory::Device),
+        work: Buffer<PeelWork> = device.buffer("peel work", 1, Memory::Device)?,
+        work_host: Buffer<PeelWork> = device.buffer("peel work, host", 1, Memory::Readback)?,
+        told_counts: Told<u32> = Told::new("fragment counts, host"),
+        told_layers: Told<u32> = Told::new("layer counts, host"),
+        /// Indirect arguments of the passes of a layer.
+        arguments: Kept<u32> = Kept::new("layer dispatches", Memory::Device),
+        /// Layers of the last window.
+        last_layers: u32 = 0,
+    }
+}
+
+impl Made for Peeler {
+    fn made(device: &Device) -> Result<Self, Error> {
+        Ok(Self::new(device)?)
+    }
 }
 
 impl Peeler {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            nearest: Kept::new("nearest fragments", Memory::Device),
-            last: Kept::new("last fragments", Memory::Device),
-            counts: Kept::new("fragment counts", Memory::Device),
-            layers: Kept::new("layer counts", Memory::Device),
-            work: device.buffer("peel work", 1, Memory::Device)?,
-            work_host: device.buffer("peel work, host", 1, Memory::Readback)?,
-            told_counts: Told::new("fragment counts, host"),
-            told_layers: Told::new("layer counts, host"),
-            arguments: Kept::new("layer dispatches", Memory::Device),
-            last_layers: 0,
-        })
-    }
-
     /// Peels a window into the target.
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
@@ -178,7 +155,7 @@ impl Peeler {
         self.arguments.reserve(device, 4 * dispatches.len() as u64)?;
         recorder.update(self.arguments.get().all(), dispatches.as_flattened());
         self.record_count(&mut recorder, job)?;
-        self.record_nothing(&mut recorder, pixels, target)?;
+        self.record_nothing(&mut recorder, job.raster.window, target)?;
         work.timeline.go_on(recorder, "peel/clear")?;
 
         let layers = self.peel(work, job)?;
@@ -240,15 +217,19 @@ impl Peeler {
         Ok(())
     }
 
-    /// Records that nothing is peeled yet.
-    fn record_nothing<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64, target: &'a Target) -> Result<(), Error> {
+    /// Records that nothing is peeled yet in a window.
+    fn record_nothing<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        window: Window,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let pixels = bands::pixels(window);
         recorder.fill("peel/clear", self.nearest.get().slice(0, pixels), u32::MAX)?;
         recorder.fill("peel/clear", self.last.get().slice(0, pixels), 0)?;
         recorder.fill("peel/clear", self.layers.get().all(), 0)?;
         recorder.fill("peel/clear", self.work.all(), 0)?;
-        recorder.fill("image/clear", target.image().first(pixels), 0)?;
-        recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
-        Ok(())
+        target.pixels().record_nothing(recorder, window)
     }
 
     /// Batch after batch until nothing is left or enough was peeled; the number of layers.
@@ -293,23 +274,34 @@ impl Peeler {
     ) -> Result<(), Error> {
         let WindowJob { raster, .. } = job;
         let (nearest, last, work) = (self.nearest.get().all(), self.last.get().all(), self.work.all());
-        let all = &Band::whole(raster.window, 0);
-        let visits = arguments.skip(4);
+        let all = (&Band::whole(raster.window, 0), SEGMENT);
+        let (visits, same) = (Some(arguments.skip(4)), |variant| variant);
         if job.wide {
             let wide = nearest.cast();
-            raster.record_indirect(recorder, all, |chunk: Chunk<'a>| Nearest { chunk, last, nearest: wide }, visits)?;
+            raster.record_with(
+                recorder,
+                all,
+                |chunk: Chunk<'a>| Nearest { chunk, last, nearest: wide },
+                visits,
+                same,
+            )?;
         } else {
-            raster.record_indirect(recorder, all, |chunk: Chunk<'a>| NearestDepth { chunk, last, nearest }, visits)?;
-            raster.record_indirect(recorder, all, |chunk: Chunk<'a>| NearestId { chunk, last, nearest }, visits)?;
+            raster.record_with(
+                recorder,
+                all,
+                |chunk: Chunk<'a>| NearestDepth { chunk, last, nearest },
+                visits,
+                same,
+            )?;
+            raster.record_with(recorder, all, |chunk: Chunk<'a>| NearestId { chunk, last, nearest }, visits, same)?;
         }
         let composing = Composing::new(raster.cloud, cut);
-        let (image, depths) = (target.image(), target.depths());
-        let blend = Blend { composing, nearest, last, work, layers: self.layers.get().all(), image, depths };
+        let (layers, into) = (self.layers.get().all(), target.pixels());
+        let blend = Blend { composing, nearest, last, work, layers, into };
         let push = CountPush { count: bands::pixels(raster.window) as u32 };
         let variant = blend_variant(cut, raster.footprint, job.peel.discs.falloff, job.counted);
         recorder.run(&blend, push, &Run::new(Dispatch::Indirect(arguments.first(3))).variant(variant))?;
-        recorder.run(&Next { work, arguments }, (), &Run::new(Dispatch::Groups(1)))?;
-        Ok(())
+        Ok(recorder.run(&Next { work, arguments }, (), &Run::new(Dispatch::Groups(1)))?)
     }
 }
 

@@ -1,11 +1,11 @@
 //! The engine of `peel-layers`.
 
-use super::LayersJob;
+use super::{LayerPeeler, LayersJob};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::image_space::{self, Filtering};
-use crate::methods::{Buffers, Error, Frame, Outcome, Resources};
+use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::{DeviceCloud, Extent};
 use crate::scene::PeelLayers;
@@ -48,14 +48,15 @@ impl Engine for PeelLayersEngine {
         let how = work.frame.projecting_points(cloud);
         let image = self.filtering().job(cloud, work, &how);
         let (layers, counted, read_back) = (self.settings.layers, work.frame.fragments, !work.survey);
-        let Resources { filterer, layer_peeler, .. } = &mut buffers.resources;
-        layer_peeler.render(filterer, work, &LayersJob { image, layers, counted, read_back })?;
+        let peeler = buffers.resources.own.of::<LayerPeeler>(work.device)?;
+        peeler.render(work, &LayersJob { image, layers, counted, read_back })?;
         image_space::finish(cloud, work);
         Ok(Outcome::Done)
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        let layers = if frame.fragments { Some(buffers.resources.layer_peeler.read_layers(window)?) } else { None };
+        let peeler = buffers.resources.own.there::<LayerPeeler>().filter(|_| frame.fragments);
+        let layers = peeler.map(|peeler| peeler.read_layers(window)).transpose()?;
         Ok(Counts { layers, ..Counts::default() })
     }
 }

@@ -11,6 +11,7 @@ pub(crate) use engine::{PeelLayersEngine, pass_group};
 
 use super::engine::Work;
 use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
+use super::own::Made;
 use super::peel::{Next, PeelWork};
 use super::told::Told;
 use super::{Error, Target};
@@ -19,7 +20,8 @@ use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, V
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
-use crate::{gpu_struct, pass};
+use crate::passes::project::points_dispatch;
+use crate::{fields, gpu_struct, pass};
 
 /// Layers of a submission: what is recorded beyond the last layer costs something, too.
 const BATCH: u32 = 8;
@@ -29,15 +31,15 @@ const WORDS: u64 = 4;
 gpu_struct! {
     /// Push constants of `peel-layers/blend`.
     pub struct BlendPush {
-        columns: u32,
+        columns: u32, // Columns of tiles, and all tiles.
         tiles: u32,
-        left: u32,
+        left: u32, // The window's corner in the rectangle in work, and its size.
         top: u32,
         width: u32,
         height: u32,
-        outer_width: u32,
+        outer_width: u32, // Size of the rectangle in work.
         outer_height: u32,
-        distance: f32,
+        distance: f32, // d~ in world units.
     }
 }
 
@@ -74,15 +76,18 @@ pub struct LayersJob<'a> {
     pub read_back: bool,
 }
 
-/// Buffers of layers, kept from frame to frame, beside those of their images.
-pub struct LayerPeeler {
-    limits: Kept<u32>,
-    layers: Kept<u32>,
-    work_host: Buffer<PeelWork>,
-    told: Told<u32>,
-    dispatches: Kept<u32>,
-    /// Layers of the last window.
-    last_layers: u32,
+fields! {
+    /// Buffers of layers and their images, kept from frame to frame.
+    pub struct LayerPeeler by device {
+        images: Filterer = Filterer::new(device)?,
+        limits: Kept<u32> = Kept::new("layer limits", Memory::Device),
+        layers: Kept<u32> = Kept::new("layer counts", Memory::Device),
+        work_host: Buffer<PeelWork> = device.buffer("layer work, host", 1, Memory::Readback)?,
+        told: Told<u32> = Told::new("layer counts, host"),
+        dispatches: Kept<u32> = Kept::new("layer dispatches", Memory::Device),
+        /// Layers of the last window.
+        last_layers: u32 = 0,
+    }
 }
 
 /// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none
@@ -103,35 +108,24 @@ impl<'a> Dispatches<'a> {
     }
 }
 
-impl LayerPeeler {
-    /// No buffers but a small one yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            limits: Kept::new("layer limits", Memory::Device),
-            layers: Kept::new("layer counts", Memory::Device),
-            work_host: device.buffer("layer work, host", 1, Memory::Readback)?,
-            told: Told::new("layer counts, host"),
-            dispatches: Kept::new("layer dispatches", Memory::Device),
-            last_layers: 0,
-        })
+impl Made for LayerPeeler {
+    fn made(device: &Device) -> Result<Self, Error> {
+        Ok(Self::new(device)?)
     }
+}
 
+impl LayerPeeler {
     /// Returns layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_layers(&self, window: Window) -> Result<Vec<u32>, Error> {
         self.told.read(self.layers.get(), bands::pixels(window))
     }
 
     /// Peels a window into the target.
-    pub(crate) fn render(
-        &mut self,
-        images: &mut Filterer,
-        work: &mut Work<'_>,
-        job: &LayersJob<'_>,
-    ) -> Result<(), Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &LayersJob<'_>) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
         let image = &job.image;
         let pixels = bands::pixels(image.window);
-        images.reserve(device, image)?;
+        self.images.reserve(device, image)?;
         self.limits.reserve(device, bands::pixels(image.outer))?;
         self.layers.reserve(device, if job.counted { pixels } else { 1 })?;
         self.told.reserve(device, if job.counted { pixels } else { 0 })?;
@@ -139,18 +133,17 @@ impl LayerPeeler {
         let words = Self::arguments(&recorder, image)?;
         self.dispatches.reserve(device, WORDS * words.len() as u64)?;
         recorder.update(self.dispatches.get().all(), words.as_flattened());
-        images.record_clear(&mut recorder, image)?;
+        self.images.record_clear(&mut recorder, image)?;
         recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
-        recorder.fill("image/clear", target.image().first(pixels), 0)?;
-        recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+        target.pixels().record_nothing(&mut recorder, image.window)?;
         work.timeline.go_on(recorder, "peel-layers/clear")?;
 
         let dispatches = self.dispatches.get().all();
         let dispatches = Dispatches { all: dispatches, chunks: image.cloud.chunks().count() as u64 };
-        let layers = self.peel(images, work, job, dispatches)?;
+        let layers = self.peel(work, job, dispatches)?;
         self.last_layers = layers;
         work.facts.layers = work.facts.layers.max(layers);
-        images.note(image, layers, work.facts);
+        self.images.note(image, layers, work.facts);
         Ok(())
     }
 
@@ -158,7 +151,7 @@ impl LayerPeeler {
         let of = |name, dispatch| recorder.arguments(name, dispatch);
         let mut words = Vec::new();
         for (_, count) in job.cloud.chunks() {
-            words.push(of("points/nearest", super::points::nearest_dispatch(count))?);
+            words.push(of("points/nearest", points_dispatch(count))?);
         }
         words.push(of("image-space/measure", job.measure_dispatch())?);
         words.push(of("image-space/list", job.list_dispatch())?);
@@ -166,15 +159,9 @@ impl LayerPeeler {
     }
 
     /// Batch after batch until nothing is left or enough was peeled; the number of layers.
-    fn peel(
-        &self,
-        images: &Filterer,
-        work: &mut Work<'_>,
-        job: &LayersJob<'_>,
-        dispatches: Dispatches<'_>,
-    ) -> Result<u32, Error> {
+    fn peel(&self, work: &mut Work<'_>, job: &LayersJob<'_>, dispatches: Dispatches<'_>) -> Result<u32, Error> {
         let (device, target) = (work.device, work.target);
-        let cut = Cut::new(device, job.image.cloud.len())?;
+        let (cut, images) = (Cut::new(device, job.image.cloud.len())?, &self.images);
         let foreseen = work.timeline.foresight.knowledge() == Knowledge::Bounds;
         let first = if foreseen { BATCH.max(self.last_layers + 1) } else { BATCH };
         let mut recorded = 0;
@@ -188,7 +175,7 @@ impl LayerPeeler {
                 let next = Next { work: images.work.all(), arguments: dispatches.all };
                 recorder.run(&next, (), &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
                 images.record_image(&mut recorder, &job.image, cut, Some(dispatches.emptied()))?;
-                self.record_blend(&mut recorder, images, job, target)?;
+                self.record_blend(&mut recorder, job, target)?;
             }
             if recorded == 0 {
                 job.image.cloud.record_stats(&mut recorder)?;
@@ -211,11 +198,10 @@ impl LayerPeeler {
     fn record_blend<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        images: &'a Filterer,
         job: &LayersJob<'a>,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let image = &job.image;
+        let (image, images) = (&job.image, &self.images);
         let blend = Blend {
             entries: images.entries.get().all(),
             depths: images.depths(image),
@@ -231,8 +217,7 @@ impl LayerPeeler {
         let distance = image.distance;
         let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance };
         let run = Run::new(images.deliver_dispatch(image)).variant(blend_variant(job.counted));
-        recorder.run(&blend, push, &run)?;
-        Ok(())
+        Ok(recorder.run(&blend, push, &run)?)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::NEAREST;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::{Buffers, Error, Frame, Outcome, opaque};
 use crate::passes::bands::{Budget, Window};
@@ -25,10 +25,6 @@ impl Engine for PointsEngine {
         false
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     /// A survey projects points to splats of one pixel, which yields the number of visible ones without drawing any.
     fn render(
         &self,
@@ -45,15 +41,11 @@ impl Engine for PointsEngine {
             stats.to_vec()
         } else {
             cloud.set_view(&work.frame.camera, work.frame.size, work.window, &how);
-            resources.opaque.render_points(work, cloud, &how)?
+            resources.own.of::<opaque::Opaque>(work.device)?.render_points(work, cloud, &how)?
         };
         work.finish();
         work.facts.note(&stats, Walker::Compute);
         Ok(Outcome::Done)
-    }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
     }
 }
 

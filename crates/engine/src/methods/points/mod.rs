@@ -9,22 +9,16 @@ pub(crate) use engine::{PointsEngine, pass_group};
 
 use super::engine::Work;
 use super::opaque::{NearestSplat, Opaque};
-use super::{Error, abuffer};
+use super::{Error, PixelsGroup};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
+use crate::pass;
 use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Places, PlacesGroup, Projecting, Shaded, Stats, View};
-use crate::{gpu_struct, pass};
-
-gpu_struct! {
-    /// Push constants: points of the chunk, its number, and the index of its first point among all.
-    pub struct PointsPush {
-        count: u32,
-        chunk: u32,
-        first: u32,
-    }
-}
+use crate::passes::project::{
+    DeviceCloud, POINTS_RUN, Places, PlacesGroup, PointsPush, Projecting, Shaded, Stats, View, points_dispatch,
+};
+use crate::passes::raster::CountPush;
 
 pass! {
     /// Finds the pixel and depth of each point, and takes the 64-bit atomic minimum of depth key and point index there.
@@ -37,19 +31,9 @@ pass! {
         limits: Read<u32>,
         nearest: ReadWrite<u64>,
     }
-}
 
-pass! {
     /// Finds the depth of `points/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth" {
-        places: Shared<PlacesGroup>,
-        normals: Read<[f32; 4]>,
-        limits: Read<u32>,
-        nearest: ReadWrite<NearestSplat>,
-    }
-}
-
-pass! {
+    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth",
     /// Finds the smallest index at the depth of `points/nearest-depth`.
     pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest" with "nearest_id" {
         places: Shared<PlacesGroup>,
@@ -57,33 +41,26 @@ pass! {
         limits: Read<u32>,
         nearest: ReadWrite<NearestSplat>,
     }
-}
 
-pass! {
     /// Turns the index of the nearest point of each pixel into color, shaded only here, and depth.
-    pub Resolve(abuffer::CountPush) = "points/resolve" {
+    pub Resolve(CountPush) = "points/resolve" {
         camera: Uniform<View>,
         points_hi: Parts<[f32; 4]>,
         points_lo: Parts<[f32; 4]>,
         point_colors: Parts<[f32; 4]>,
         normals: Parts<[f32; 4]>,
         nearest: Read<[u32; 2]>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }
 
 /// The passes that find the nearest points, by 64-bit atomics and without.
 pub(crate) const NEAREST: [&str; 3] = ["points/nearest", "points/nearest-depth", "points/nearest-id"];
 
-/// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the
-/// fewer such ends.
-pub(super) const RUN: u64 = 16;
-
 /// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without
 /// those nearer than their pixel's limit.
 fn nearest_variant(cull: bool, limited: bool) -> Variant {
-    Variant::plain().with("RUN", RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
+    Variant::plain().with("RUN", POINTS_RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
 }
 
 /// Points that are searched for the nearest ones, and how the search is dispatched.
@@ -95,11 +72,6 @@ pub struct Choice<'a> {
     pub limits: Option<Slice<'a, u32>>,
     /// Four words for each chunk, of indirect dispatches.
     pub dispatches: Option<Slice<'a, u32>>,
-}
-
-/// Returns the dispatch of a pass over a chunk of so many points.
-pub fn nearest_dispatch(count: u64) -> Dispatch<'static> {
-    Dispatch::Invocations(count.div_ceil(RUN))
 }
 
 impl Opaque {
@@ -127,10 +99,9 @@ impl Opaque {
             point_colors: cut.slices(&cloud.point_colors),
             normals: cut.slices(&cloud.normals),
             nearest: nearest.cast(),
-            image: target.image(),
-            depths: target.depths(),
+            into: target.pixels(),
         };
-        let push = abuffer::CountPush { count: pixels as u32 };
+        let push = CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(how.shaded(cloud.has_normals()).cut(cut)))?;
         target.record_read_back(&mut recorder, pixels)?;
@@ -149,14 +120,9 @@ pub(super) fn record_nearest<'a>(
 ) -> Result<(), Error> {
     let cull = choice.cull && cloud.has_normals();
     let chunks = || cloud.chunks().enumerate();
-    let push = |chunk: usize, (first, count): (u64, u64)| PointsPush {
-        count: count as u32,
-        chunk: chunk as u32,
-        first: first as u32,
-    };
     let run = |chunk: usize, (_, count): (u64, u64)| {
         let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
-        let dispatch = indirect.unwrap_or(nearest_dispatch(count));
+        let dispatch = indirect.unwrap_or(points_dispatch(count));
         Run::new(dispatch).variant(nearest_variant(cull, choice.limits.is_some()))
     };
     let bound = |(first, count): (u64, u64)| {
@@ -167,24 +133,20 @@ pub(super) fn record_nearest<'a>(
         (places, normals, limits)
     };
     // All depths come before any index.
+    macro_rules! record {
+        ($pass:ident, $nearest:expr) => {
+            for (chunk, range) in chunks() {
+                let (places, normals, limits) = bound(range);
+                let pass = $pass { places, normals, limits, nearest: $nearest };
+                recorder.run(&pass, PointsPush::new(chunk, range), &run(chunk, range))?;
+            }
+        };
+    }
     if wide {
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(
-                &Nearest { places, normals, limits, nearest: nearest.cast() },
-                push(chunk, range),
-                &run(chunk, range),
-            )?;
-        }
+        record!(Nearest, nearest.cast());
     } else {
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(&NearestDepth { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
-        }
-        for (chunk, range) in chunks() {
-            let (places, normals, limits) = bound(range);
-            recorder.run(&NearestId { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
-        }
+        record!(NearestDepth, nearest);
+        record!(NearestId, nearest);
     }
     Ok(())
 }

@@ -57,10 +57,7 @@ impl Renderer {
         self.cast_shadows(&engine, cloud, frame, &mut timeline)?;
         let budget = self.budget(&engine, cloud, frame);
         let windows = engine.windows(frame, budget)?;
-        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
-        self.progress.set_position(0);
-        let (points, gaussians) = (cloud.drawn(), cloud.gaussian_count());
-        let mut facts = Facts { points, gaussians, ..Facts::default() };
+        let mut facts = self.begin_windows(cloud, frame);
         let job = Job { survey, by_rows: true, ..Job::new(&engine, frame, budget) };
         let done = |renderer: &mut Self, _| Ok(renderer.progress.check()?);
         self.walk(cloud, &job, &windows, &mut timeline, &mut facts, done)?;

@@ -1,12 +1,14 @@
 //! The renderer: from points, camera and method to an image and a profile, window by window.
 
-mod arranged;
 mod deep;
 mod depths;
 mod parts;
 mod supplied;
 mod survey;
+mod upload;
 mod walk;
+
+pub use self::upload::{Source, Upload};
 
 use std::time::{Duration, Instant};
 
@@ -82,7 +84,7 @@ impl Renderer {
             device: device.clone(),
             buffers: Buffers::new(device)?,
             target: Target::new(),
-            eye_dome: EyeDomeLighting::new(),
+            eye_dome: EyeDomeLighting::default(),
             foresight: Foresight::default(),
             kind: None,
             submitted: Duration::ZERO,
@@ -160,7 +162,7 @@ impl Renderer {
     ) -> Result<Rendered, Error> {
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
-        let begun = self.begin(engine, cloud, frame, timeline)?;
+        let begun = self.begin(engine, cloud, frame, timeline, false)?;
         let mut image = self.begin_image(engine, frame);
         let learns = self.learns(frame, cloud, &begun.windows, timeline);
         let job = Job { learns, ..Job::new(engine, frame, begun.budget) };
@@ -201,28 +203,33 @@ impl Renderer {
     }
 
     /// Brings to the device what a frame needs of a cloud, casts its shadows, cuts it into windows, and makes room for
-    /// them.
+    /// them. A survey needs no light, and mostly no target.
     fn begin(
         &mut self,
         engine: &dyn Engine,
         cloud: &mut DeviceCloud,
         frame: &Frame,
         timeline: &mut Timeline,
+        survey: bool,
     ) -> Result<Begun, Error> {
         frame.check()?;
-        self.make_ready(engine, cloud, frame, false)?;
+        self.make_ready(engine, cloud, frame, survey)?;
         self.disown_colors();
         self.device.reset_peak();
-        if cloud.supply().is_none() {
+        if cloud.supply().is_none() && !survey {
             engine.prepare(&self.device, cloud, frame)?;
         }
         let waits = self.device.waits();
         let light_views = light_views(cloud, frame);
-        self.cast_shadows(engine, cloud, frame, timeline)?;
+        if !survey {
+            self.cast_shadows(engine, cloud, frame, timeline)?;
+        }
         let budget = self.budget(engine, cloud, frame);
         let (budget, shading) = edl::divided(budget, frame);
-        let windows = self.windows(engine, frame, budget)?;
-        self.target.reserve(&self.device, largest(&windows))?;
+        let windows = if survey { engine.windows(frame, budget)? } else { self.windows(engine, frame, budget)? };
+        if !survey || engine.renders_to_survey() {
+            self.target.reserve(&self.device, largest(&windows))?;
+        }
         Ok(Begun { waits, light_views, budget, shading, windows })
     }
 

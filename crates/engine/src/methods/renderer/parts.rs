@@ -44,13 +44,14 @@ impl Renderer {
     ) -> Result<DrawnPart, Error> {
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
-        let mut begun = self.begin(engine, cloud, frame, timeline)?;
+        let mut begun = self.begin(engine, cloud, frame, timeline, false)?;
         if samples.is_empty() {
             begun.windows.clear();
         }
         let sums = RefCell::new(SamplePart::new(layout, samples.clone()));
         let job = Job { samples, sums: Some(&sums), ..Job::new(engine, frame, begun.budget) };
-        let mut image = nothing(frame);
+        let [width, height] = frame.size;
+        let mut image = Image { width, height, ..Image::default() };
         let mut facts = self.draw(cloud, &job, &begun.windows, &mut image, timeline)?;
         let part = sums.into_inner();
         image.fragments = part.all(Plane::Lengths).map(<[u32]>::to_vec);
@@ -115,21 +116,4 @@ fn layout(frame: &Frame) -> Result<Layout, Error> {
 /// A frame with the standard errors that another one wants for whatever reason.
 fn spreading(frame: &Frame) -> Frame {
     Frame { spread: frame.wants_spread(), ..*frame }
-}
-
-/// An image without pixels.
-fn nothing(frame: &Frame) -> Image {
-    let [width, height] = frame.size;
-    let (rgba, depth) = (Vec::new(), Vec::new());
-    Image {
-        width,
-        height,
-        rgba,
-        depth,
-        depth_median: None,
-        depth_mean: None,
-        fragments: None,
-        layers: None,
-        stderr: None,
-    }
 }

@@ -1,7 +1,5 @@
 //! Clouds whose points come to the device window by window.
 
-use std::sync::Arc;
-
 use super::walk::Job;
 use super::{Error, Renderer};
 use crate::cloud::shadow_texture::Casting;
@@ -11,8 +9,7 @@ use crate::passes::bands::Window;
 use crate::passes::compose::Cut;
 use crate::passes::project::{Beam, CutFor, DeviceCloud, Footprint, Present};
 use crate::passes::tiles::TILE;
-use crate::points::Points;
-use crate::supply::{Held, Limits, Supply};
+use crate::supply::Limits;
 
 /// The part of a memory budget that is for points; the rest is the engine's.
 const PART: u64 = 2;
@@ -40,23 +37,6 @@ fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame) -> u64 {
 }
 
 impl Renderer {
-    /// Takes points that come to the device window by window, for any method: more of them than the device has room for
-    /// at once. `points` are all of them, or some that stand for all.
-    ///
-    /// # Errors
-    /// No memory for small buffers.
-    pub fn supply(&self, points: &Points, supply: &Arc<dyn Supply>) -> Result<DeviceCloud, Error> {
-        Ok(DeviceCloud::of_supply(&self.device, points, Arc::clone(supply))?)
-    }
-
-    /// Takes points in canonical order that come to the device window by window, and stay in the host's memory.
-    ///
-    /// # Errors
-    /// No memory for small buffers.
-    pub fn supply_held(&self, points: &Arc<Points>) -> Result<DeviceCloud, Error> {
-        self.supply(points, &(Arc::new(Held::new(points.clone())) as Arc<dyn Supply>))
-    }
-
     /// Returns the part of space that a window of a frame shows: points outside of it need not be there.
     pub fn beam(&self, cloud: &DeviceCloud, frame: &Frame, window: Window) -> Beam {
         Beam::new(&frame.camera, frame.size, window, engine_of(&frame.method).extent(frame, cloud))

@@ -1,12 +1,12 @@
 //! Counts, costs and lists of a frame, without its image.
 
 use super::Renderer;
-use super::walk::{Job, largest};
+use super::walk::{Job, first_counts};
 use crate::methods::abuffer::{Lists, Shown};
 use crate::methods::cost::Load;
 use crate::methods::engine::project;
 use crate::methods::lists::ListEngine;
-use crate::methods::{Error, Facts, Frame, Timeline, edl, engine_of, projecting};
+use crate::methods::{Error, Facts, Frame, Timeline, engine_of, projecting};
 use crate::passes::project::{DeviceCloud, Stats};
 use crate::scene::{Discs, Method};
 
@@ -14,22 +14,14 @@ impl Renderer {
     /// Finds the expected counts of the frame, from projecting and counting alone: nothing is stored, sorted or
     /// blended.
     pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
-        frame.check()?;
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
-        self.make_ready(engine, cloud, frame, true)?;
-        self.disown_colors();
-        let budget = self.budget(engine, cloud, frame);
-        let (budget, _) = edl::divided(budget, frame);
-        let windows = engine.windows(frame, budget)?;
-        if engine.renders_to_survey() {
-            self.target.reserve(&self.device, largest(&windows))?;
-        }
-        let (light_views, samples) = (super::light_views(cloud, frame), engine.samples(frame).unwrap_or(0));
-        let (points, gaussians) = (cloud.drawn(), cloud.gaussian_count());
-        let mut facts = Facts { points, gaussians, light_views, ..Default::default() };
-        let job = Job { samples: 0..samples, survey: true, ..Job::new(engine, frame, budget) };
-        self.walk(cloud, &job, &windows, &mut Timeline::new(&self.progress), &mut facts, |_, _| Ok(()))?;
+        let mut timeline = Timeline::new(&self.progress);
+        let begun = self.begin(engine, cloud, frame, &mut timeline, true)?;
+        let mut facts = Facts { light_views: begun.light_views, ..first_counts(cloud) };
+        let samples = 0..engine.samples(frame).unwrap_or(0);
+        let job = Job { samples, survey: true, ..Job::new(engine, frame, begun.budget) };
+        self.walk(cloud, &job, &begun.windows, &mut timeline, &mut facts, |_, _| Ok(()))?;
         Ok(facts)
     }
 

@@ -84,7 +84,7 @@ impl Renderer {
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
         self.whole = None;
-        Facts { points: cloud.drawn(), gaussians: cloud.gaussian_count(), ..Default::default() }
+        first_counts(cloud)
     }
 
     /// Copies a window that is in the target into the image, with its counts.
@@ -185,6 +185,11 @@ impl Renderer {
         };
         (work, &mut self.buffers)
     }
+}
+
+/// Returns the counts of a frame of which no window was rendered yet.
+pub(super) fn first_counts(cloud: &DeviceCloud) -> Facts {
+    Facts { points: cloud.drawn(), gaussians: cloud.gaussian_count(), ..Facts::default() }
 }
 
 /// Returns `true` for the window that is the whole image.

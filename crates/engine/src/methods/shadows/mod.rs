@@ -12,11 +12,11 @@ pub(crate) use images::{see, share};
 
 use crate::progress::Progress;
 
-use super::{Error, Frame, Timeline, points};
+use super::{Error, Frame, Timeline};
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};
-use crate::passes::project::{DeviceCloud, PlacesGroup, Projecting};
+use crate::passes::project::{DeviceCloud, POINTS_RUN, PlacesGroup, PointsPush, Projecting, points_dispatch};
 use crate::scene::{Light, ShadingModel};
 use crate::{gpu_struct, pass};
 use lights::LightView;
@@ -24,21 +24,17 @@ use lights::LightView;
 gpu_struct! {
     /// Push constants: points of the chunk, and the number of lights.
     pub struct SharePush {
-        count: u32,
+        count: u32, // Points of the chunk.
         lights: u32,
     }
-}
 
-gpu_struct! {
     /// Push constants of the filter.
     pub struct FillPush {
-        columns: u32,
+        columns: u32, // Columns by four, and rows.
         rows: u32,
-        apart: f32,
+        apart: f32, // Smallest distance of surfaces.
     }
-}
 
-gpu_struct! {
     /// Parameters of a light for `shadows/lit`, beside its camera.
     pub struct LightFrame {
         apart: f32,
@@ -52,39 +48,31 @@ pass! {
     pub Start(SharePush) = "shadows/start" {
         normals: ReadWrite<[f32; 4]>,
     }
-}
 
-pass! {
     /// Finds the pixel and depth of each point through a light's camera, and takes the 32-bit atomic minimum of the
     /// depth key there. It runs, as `shadows/clear`, `shadows/fill` and `shadows/lit` do, once for each light, or for
     /// each of its six faces.
-    pub Nearest(points::PointsPush) = "shadows/nearest" {
+    pub Nearest(PointsPush) = "shadows/nearest" {
         places: Shared<PlacesGroup>,
         nearest: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Closes holes of surfaces in a light's image by the occlusion filter, so that no light falls through them. An
     /// invocation has four columns and eight rows.
     pub Fill(FillPush) = "shadows/fill" {
         nearest: Read<[u32; 4]>,
         depths: ReadWrite<[f32; 4]>,
     }
-}
 
-pass! {
     /// Finds the pixel of each point again, and takes one light from the points that lie behind the surface there by
     /// more than d̃ / |n_z|.
-    pub Lit(points::PointsPush) = "shadows/lit" {
+    pub Lit(PointsPush) = "shadows/lit" {
         places: Shared<PlacesGroup>,
         normals: ReadWrite<[f32; 4]>,
         depths: Read<f32>,
         light: Uniform<LightFrame>,
     }
-}
 
-pass! {
     /// Turns the number of lights that reach each point into its share of light, where there are several.
     pub Share(SharePush) = "shadows/share" {
         normals: ReadWrite<[f32; 4]>,
@@ -113,7 +101,7 @@ fn fill_variant() -> Variant {
 
 /// The variant of `shadows/nearest`.
 fn walk_variant() -> Variant {
-    Variant::plain().with("RUN", points::RUN as u32)
+    Variant::plain().with("RUN", POINTS_RUN as u32)
 }
 
 /// The variant of `shadows/lit`, with one image of a light or with six.
@@ -251,14 +239,9 @@ fn finish(device: &Device, cloud: &mut DeviceCloud, casting: &Casting, timeline:
     Ok(())
 }
 
-/// The push constants of the passes over points of a chunk.
-fn push(chunk: usize, (first, count): (u64, u64)) -> points::PointsPush {
-    points::PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 }
-}
-
 /// A run of the passes over points.
 fn walk<'a>((_, count): (u64, u64)) -> Run<'a> {
-    Run::new(points::nearest_dispatch(count))
+    Run::new(points_dispatch(count))
 }
 
 /// Records what an image has of the points on the device, through the cloud's view.
@@ -269,7 +252,7 @@ fn record_nearest<'a>(
 ) -> Result<(), Error> {
     for (chunk, range) in cloud.chunks().enumerate() {
         let nearest = Nearest { places: cloud.places(range.0, range.1), nearest: image.all() };
-        recorder.run(&nearest, push(chunk, range), &walk(range).variant(walk_variant()))?;
+        recorder.run(&nearest, PointsPush::new(chunk, range), &walk(range).variant(walk_variant()))?;
     }
     Ok(())
 }
@@ -284,8 +267,7 @@ fn record_fill<'a>(
     let (columns, rows) = (pitch(casting.resolution) / 4, u64::from(casting.resolution));
     let filled = FillPush { columns: columns as u32, rows: casting.resolution, apart: casting.min_layer_distance };
     let invocations = columns * rows.div_ceil(FILL_ROWS);
-    recorder.run(&fill, filled, &Run::new(Dispatch::Invocations(invocations)).variant(fill_variant()))?;
-    Ok(())
+    Ok(recorder.run(&fill, filled, &Run::new(Dispatch::Invocations(invocations)).variant(fill_variant()))?)
 }
 
 /// Records what an image keeps from the points on the device, through the cloud's view.
@@ -302,7 +284,7 @@ fn record_lit<'a>(
             depths: depths.all(),
             light: light.all(),
         };
-        recorder.run(&lit, push(chunk, range), &walk(range).variant(lit_variant(cube)))?;
+        recorder.run(&lit, PointsPush::new(chunk, range), &walk(range).variant(lit_variant(cube)))?;
     }
     Ok(())
 }

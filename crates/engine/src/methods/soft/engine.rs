@@ -2,18 +2,19 @@
 //!
 //! A window is drawn in two parts: solid points into a layer, as `splats` draws them, and soft points before it.
 
-use super::express::{self, COUNT_BYTES};
-use super::{Interior, Kind, Layer, SoftModel, Spheres, explain, pixel_bytes, record_compose};
+use super::express::{self, COUNT_BYTES, SoftDiscs};
+use super::{Interior, Kind, SoftModel, Spheres, explain, pixel_bytes, record_compose};
 use crate::gpu::Device;
-use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes, record_nothing};
+use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Explain, Plan};
 use crate::methods::projecting::UNCLAMPED;
 use crate::methods::splats::{self, Onto, solid_projecting};
-use crate::methods::{Buffers, Error, Frame, Outcome, Resources, sorted, tiled};
+use crate::methods::{Buffers, Error, Frame, Layer, Outcome, Resources, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bins, Order};
+use crate::passes::compose;
 use crate::passes::project::{DeviceCloud, Footprint, Part, Parts, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::prepare::axes::Axis;
@@ -65,7 +66,7 @@ impl SpheresEngine {
         let layer = solid.then_some(&resources.layer);
         let spheres = Spheres { kind, model, max_radius, origin: cloud.depth_origin(), layer };
         spheres.check(&frame.method, cloud.len())?;
-        let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
+        let stop = compose::stop(frame.stop, frame.color, cloud.max_color(&how));
         let (discs, shown) = (Discs::default(), abuffer::Shown::First);
         let job = abuffer::WindowJob { raster, discs, storing: &spheres, stop, shown, budget, samples: None };
         let found = go_on(&mut resources.lists, work, &job, layer)?;
@@ -219,7 +220,7 @@ impl ExpressEngine {
                 layer: (parts.solid > 0).then_some(&resources.layer),
                 max_color: cloud.max_color(&how),
             };
-            resources.soft_discs.render(&mut resources.bins, work, &job)?
+            resources.own.of::<SoftDiscs>(device)?.render(&mut resources.bins, work, &job)?
         };
         if outcome == Outcome::Done {
             resources.soft_counted = true;
@@ -261,8 +262,9 @@ impl Engine for ExpressEngine {
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        let Resources { soft_discs, soft_counted, .. } = &buffers.resources;
-        let fragments = (frame.fragments && *soft_counted).then(|| soft_discs.counts().to_vec());
+        let Resources { own, soft_counted, .. } = &buffers.resources;
+        let discs = own.there::<SoftDiscs>().filter(|_| frame.fragments && *soft_counted);
+        let fragments = discs.map(|discs| discs.counts().to_vec());
         Ok(Counts { fragments, ..Counts::default() })
     }
 }
@@ -328,7 +330,7 @@ fn draw_solids(
 fn only_solids(cloud: &DeviceCloud, layer: &Layer, work: &mut Work<'_>) -> Result<Outcome, Error> {
     if !work.survey {
         let mut recorder = work.timeline.recorder(work.device)?;
-        record_nothing(&mut recorder, work.target, work.window)?;
+        work.target.pixels().record_nothing(&mut recorder, work.window)?;
         record_compose(&mut recorder, layer, work.target, work.pixels(), cloud.depth_origin())?;
         work.timeline.go_on(recorder, "solid points alone")?;
     }

@@ -88,11 +88,8 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, integrated: bool) {
     }
     for name in LONG {
         let on = long && (integrated || name != "soft/segments");
-        plan.add(
-            name,
-            on,
-            if on || !long { reason.clone() } else { "the density is constant within each sphere".to_owned() },
-        );
+        let constant = "the density is constant within each sphere";
+        plan.add(name, on, if on || !long { &reason } else { constant });
     }
     plan.add("abuffer/combine", long, reason);
 }

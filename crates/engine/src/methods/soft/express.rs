@@ -3,26 +3,24 @@
 //! so that a frame sorts nothing; it is the order of depth for orthographic views along an axis, and close to it
 //! otherwise.
 
-use super::{Layer, SoftModel, record_compose};
+use super::{SoftModel, record_compose};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Kept, Memory, Recorder, Run, Variant};
-use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;
-use crate::methods::sorted::{self, STOP_NEVER, STOPS};
 use crate::methods::told::Told;
-use crate::methods::{Error, Frame, Outcome, Target};
+use crate::methods::{Error, Frame, Layer, Outcome, PixelsGroup, Target};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
-use crate::passes::compose::{self, Cut};
-use crate::{gpu_struct, pass};
+use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, TileWalk, TiledGroup};
+use crate::passes::compose::{self, Cut, STOP_NEVER, STOPS};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `soft/express`; the shader explains the members.
+    /// Push constants of `soft/express`.
     pub struct ExpressPush {
         walk: TileWalk,
-        peak: f32,
-        max_color: f32,
+        peak: f32, // Opacity in the middle of a disc, Seemann's lambda.
+        max_color: f32, // Largest color component, background included: a bound of the splats behind.
     }
 }
 
@@ -33,8 +31,7 @@ pass! {
     pub Express(ExpressPush) = "soft/express" {
         tiles: Shared<TiledGroup>,
         solid: Read<f32>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
         counts: ReadWrite<u32>,
     }
 }
@@ -57,20 +54,12 @@ pub struct WindowJob<'a> {
     pub max_color: f32,
 }
 
-/// Buffers, kept from frame to frame.
-pub struct SoftDiscs {
-    counts: Kept<u32>,
-    told: Told<u32>,
-    counted: Vec<u32>,
-}
-
-impl Default for SoftDiscs {
-    fn default() -> Self {
-        Self {
-            counts: Kept::new("soft discs of pixels", Memory::Device),
-            told: Told::new("soft discs of pixels, host"),
-            counted: Vec::new(),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct SoftDiscs {
+        counts: Kept<u32> = Kept::new("soft discs of pixels", Memory::Device),
+        told: Told<u32> = Told::new("soft discs of pixels, host"),
+        counted: Vec<u32> = Vec::new(),
     }
 }
 
@@ -95,7 +84,7 @@ impl SoftDiscs {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, window)?;
+                target.pixels().record_nothing(&mut recorder, window)?;
                 None
             }
             Bin::Done(binned) => {
@@ -145,14 +134,16 @@ impl SoftDiscs {
         let solid = job.layer.map_or(cloud.fields.all(), Layer::depths);
         let tiles = bins.record_tiles(recorder, cloud, binned)?.tiled;
         let counts = self.counts.get().all();
-        let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
-        let (stop, max_color) = sorted::stop(frame.stop, frame.color, job.max_color);
+        let express = Express { tiles, solid, into: target.pixels(), counts };
+        let (stop, max_color) = compose::stop(frame.stop, frame.color, job.max_color);
         for segment in 0..binned.segments() {
             let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, max_color };
             let (modulated, counted) = (job.modulated, frame.fragments);
-            let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
-            let run = Run::new(binned.over_tiles());
-            recorder.run(&express, push, &run.variant(express_variant(binned.cut(), kind, binned.lanes())))?;
+            let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted };
+            let run = OneRun::new(segment, binned.segments(), binned.lanes());
+            let over =
+                Run::new(binned.over_tiles()).variant(express_variant(compose::disc_variant(binned.cut()), run, kind));
+            recorder.run(&express, push, &over)?;
         }
         Ok(())
     }
@@ -161,7 +152,7 @@ impl SoftDiscs {
 /// Properties on which a variant of `soft/express` depends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ExpressKind {
-    /// `STOP` in WGSL, from [`sorted::stop`].
+    /// `STOP` in WGSL, from [`compose::stop`].
     pub stop: u32,
     /// `true` if solid points cut it.
     pub cut: bool,
@@ -169,14 +160,11 @@ pub(crate) struct ExpressKind {
     pub modulated: bool,
     /// `true` if discs are counted, so that none is left out.
     pub counted: bool,
-    /// A run that goes on from the image.
-    pub later: bool,
 }
 
-/// A variant of `soft/express`.
-fn express_variant(cut: Cut, kind: ExpressKind, lanes: Lanes) -> Variant {
-    let flat = compose::disc_variant(cut);
-    bin::fold_variant(flat, kind.later, lanes)
+/// A variant of `soft/express`, from that of flat discs.
+fn express_variant(flat: Variant, run: OneRun, kind: ExpressKind) -> Variant {
+    bin::fold_variant(flat, run)
         .with("STOP", if kind.counted { STOP_NEVER } else { kind.stop })
         .with("CUT", u32::from(kind.cut))
         .with("MODULATED", u32::from(kind.modulated))
@@ -185,12 +173,15 @@ fn express_variant(cut: Cut, kind: ExpressKind, lanes: Lanes) -> Variant {
 
 /// Returns the pass with its variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let flags = <((bool, bool), (bool, bool))>::all();
-    let kinds = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
-        STOPS.map(|stop| ExpressKind { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
-    });
-    let ways = |kind| <(Cut, Lanes)>::all().into_iter().map(move |(cut, lanes)| express_variant(cut, kind, lanes));
-    vec![Shader::new::<Express>(kinds.flat_map(ways))]
+    let flags = <(bool, (bool, bool))>::all();
+    let kinds: Vec<_> = flags
+        .iter()
+        .flat_map(|(cut, (modulated, counted))| {
+            STOPS.map(|stop| ExpressKind { stop, cut: *cut, modulated: *modulated, counted: *counted })
+        })
+        .collect();
+    let flat = Cut::all().into_iter().map(compose::disc_variant).collect();
+    vec![Shader::new::<Express>(bin::run_variants(flat, &kinds, express_variant))]
 }
 
 #[cfg(test)]

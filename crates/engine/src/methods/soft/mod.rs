@@ -7,56 +7,11 @@ mod spheres;
 
 pub(crate) use engine::{ExpressEngine, Solids, SpheresEngine};
 pub(crate) use explain::{disc_group, sphere_group};
+pub(super) use spheres::record_carry;
 pub use spheres::*;
 
-use super::{Error, Pixels};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
-
-/// Pixels of a window's solid points, which soft ones are drawn before.
-pub struct Layer {
-    image: Kept<[f32; 4]>,
-    depths: Kept<f32>,
-}
-
-impl Default for Layer {
-    fn default() -> Self {
-        Self { image: Kept::new("solid image", Memory::Device), depths: Kept::new("solid depths", Memory::Device) }
-    }
-}
-
-impl Layer {
-    /// Bytes of a pixel.
-    pub const PIXEL_BYTES: u64 = 20;
-
-    /// Room for a window.
-    pub fn reserve(&mut self, device: &Device, pixels: u64) -> Result<(), Error> {
-        self.image.reserve(device, pixels)?;
-        self.depths.reserve(device, pixels)?;
-        Ok(())
-    }
-
-    /// Returns premultiplied color, A = 1 where something is.
-    pub fn image(&self) -> Slice<'_, [f32; 4]> {
-        self.image.get().all()
-    }
-
-    /// Returns depths along the viewing axis, +inf where nothing is.
-    pub fn depths(&self) -> Slice<'_, f32> {
-        self.depths.get().all()
-    }
-
-    /// Returns both of `len` pixels from `start`, on the host.
-    pub fn read(&self, [start, len]: [u64; 2]) -> Result<(Vec<[f32; 4]>, Vec<f32>), Error> {
-        Ok((self.image.get().read(start, len)?, self.depths.get().read(start, len)?))
-    }
-
-    /// Both.
-    pub fn pixels(&self) -> Pixels<'_> {
-        Pixels { image: self.image(), depths: self.depths() }
-    }
-}
 
 /// Model of the density of spheres.
 #[derive(Debug, Clone, Copy, PartialEq)]

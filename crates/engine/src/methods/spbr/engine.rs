@@ -1,12 +1,13 @@
 //! The engine of `spbr` and `spbr-simplified`.
 
 use super::share::Share;
-use super::{Form, Scale, WindowJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
+use super::{Ensembles, Form, Scale, WindowJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
 use crate::camera::Projection;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
+use crate::methods::engine::{Counts, Engine, Work};
 use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
+use crate::methods::parts::Sums;
 use crate::methods::{Buffers, Error, Frame, Outcome, SamplePart};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::project::{DeviceCloud, Projecting};
@@ -58,10 +59,6 @@ impl Engine for EnsembleEngine {
         Some(Sums::Ensembles)
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let (device, frame, window, drawn) = (work.device, work.frame, work.window, work.samples.clone());
         let (shares, how) = (shares(cloud, frame)?, frame.projecting_points(cloud));
@@ -96,7 +93,7 @@ impl Engine for EnsembleEngine {
         };
         work.facts.renewed |= job.is_renewed();
         if !work.survey {
-            let met = buffers.resources.ensembles.render(work, &job)?;
+            let met = buffers.resources.own.of::<Ensembles>(device)?.render(work, &job)?;
             work.facts.visible += met.visible;
             work.facts.uploaded_bytes += met.uploaded;
             work.finish();
@@ -114,15 +111,15 @@ impl Engine for EnsembleEngine {
     ) -> Result<(), Error> {
         work.facts.ensembles = work.samples.end;
         let scale = Scale::new(self.ensembles, cloud.max_color(&work.frame.projecting_points(cloud)));
-        buffers.resources.ensembles.resolve(work, scale, sums)?;
+        buffers.resources.own.of::<Ensembles>(work.device)?.resolve(work, scale, sums)?;
         work.finish();
         work.facts.note(&[], Walker::Compute);
         Ok(())
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        let spread = frame.wants_spread();
-        let stderr = if spread { Some(buffers.resources.ensembles.read_stderr(window)?) } else { None };
+        let ensembles = buffers.resources.own.there::<Ensembles>().filter(|_| frame.wants_spread());
+        let stderr = ensembles.map(|ensembles| ensembles.read_stderr(window)).transpose()?;
         Ok(Counts { stderr, ..Counts::default() })
     }
 }

@@ -11,14 +11,15 @@ use super::rounds::Piece;
 use super::stream::Stream;
 use super::tasks::{Task, Tasks};
 use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
+use crate::fields;
 use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::abuffer::CountPush;
 use crate::methods::engine::Work;
 use crate::methods::parts::Plane;
-use crate::methods::{Error, SamplePart, Target};
+use crate::methods::{Error, SamplePart};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::Column;
+use crate::passes::raster::CountPush;
 
 /// Most slots after which is submitted, so that no submission takes seconds.
 const SUBMITTED_SLOTS: u64 = 1 << 23;
@@ -37,32 +38,18 @@ pub struct Drawn {
     pub uploaded: u64,
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Ensembles {
-    stream: Stream,
-    nearest: Kept<u64>,
-    pixels: Kept<[u32; 4]>,
-    squares: Kept<[u32; 4]>,
-    spread: Kept<[f32; 4]>,
-    large: Kept<[u32; 4]>,
-    arguments: Kept<u32>,
-    counters: Kept<Counters>,
-    counters_host: Kept<Counters>,
-}
-
-impl Default for Ensembles {
-    fn default() -> Self {
-        Self {
-            stream: Stream::default(),
-            nearest: Kept::new("nearest of ensembles", Memory::Device),
-            pixels: Kept::new("sums of ensembles", Memory::Device),
-            squares: Kept::new("squares of ensembles", Memory::Device),
-            spread: Kept::new("spread of ensembles", Memory::Device),
-            large: Kept::new("large points", Memory::Device),
-            arguments: Kept::new("large points, groups", Memory::Device),
-            counters: Kept::new("counters of ensembles", Memory::Device),
-            counters_host: Kept::new("counters of ensembles, host", Memory::Readback),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Ensembles {
+        stream: Stream = Stream::default(),
+        nearest: Kept<u64> = Kept::new("nearest of ensembles", Memory::Device),
+        pixels: Kept<[u32; 4]> = Kept::new("sums of ensembles", Memory::Device),
+        squares: Kept<[u32; 4]> = Kept::new("squares of ensembles", Memory::Device),
+        spread: Kept<[f32; 4]> = Kept::new("spread of ensembles", Memory::Device),
+        large: Kept<[u32; 4]> = Kept::new("large points", Memory::Device),
+        arguments: Kept<u32> = Kept::new("large points, groups", Memory::Device),
+        counters: Kept<Counters> = Kept::new("counters of ensembles", Memory::Device),
+        counters_host: Kept<Counters> = Kept::new("counters of ensembles, host", Memory::Readback),
     }
 }
 
@@ -149,7 +136,14 @@ impl Ensembles {
     ) -> Result<(), Error> {
         let (target, pixels) = (work.target, work.pixels());
         let push = ResolvePush { pixels: pixels as u32, ensembles, scale: scale.one };
-        self.record_resolve(&mut recorder, (push, work.frame.wants_spread()), target)?;
+        let pass = Resolve {
+            pixels: self.pixels.get().all(),
+            squares: self.squares.get().all(),
+            into: target.pixels(),
+            spread: self.spread.get().all(),
+        };
+        let run = Run::new(Dispatch::Invocations(pixels)).variant(resolve_variant(work.frame.wants_spread()));
+        recorder.run(&pass, push, &run)?;
         target.record_read_back(&mut recorder, pixels)?;
         Ok(work.timeline.submit(recorder, "spbr/resolve")?)
     }
@@ -222,8 +216,7 @@ impl Ensembles {
         }
         let pass = Renew { pixels: self.pixels.get().all().cast() };
         let push = CountPush { count: job.pixels() as u32 };
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())))?;
-        Ok(())
+        Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())))?)
     }
 
     /// Records a dispatch, and that of its large squares.
@@ -327,24 +320,6 @@ impl Ensembles {
             Column::Normal => &job.cloud.normals,
         };
         all.slice(points.start, points.end - points.start)
-    }
-
-    fn record_resolve<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        (push, spread): (ResolvePush, bool),
-        target: &'a Target,
-    ) -> Result<(), Error> {
-        let pass = Resolve {
-            pixels: self.pixels.get().all(),
-            squares: self.squares.get().all(),
-            image: target.image(),
-            depths: target.depths(),
-            spread: self.spread.get().all(),
-        };
-        let run = Run::new(Dispatch::Invocations(u64::from(push.pixels)));
-        recorder.run(&pass, push, &run.variant(resolve_variant(spread)))?;
-        Ok(())
     }
 }
 

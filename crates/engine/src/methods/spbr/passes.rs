@@ -1,42 +1,47 @@
 //! The passes.
 
-use crate::methods::abuffer::CountPush;
+use crate::methods::PixelsGroup;
 use crate::methods::opaque::NearestSplat;
 use crate::passes::project::View;
+use crate::passes::raster::CountPush;
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of the passes that go through slots; shaders/shared/spbr.wgsl explains the members.
+    /// Push constants of the passes that go through slots.
     pub struct SlotsPush {
-        count: u32,
+        count: u32, // Slots of this dispatch, and the number of the first among the cloud's slots of the round.
         first: u32,
+        // Among what is bound the point of the first slot, or, of a later pass, the one that others are counted from
+        // (modulo 2^32: it may lie before); and index among all points of the first that is bound.
         base: u32,
         list: u32,
+        // For a later pass: first point of the first row, counted from `base`, and after how many the cloud begins
+        // anew; blocks of a row, binary logarithm of the points of a block, which of the pass's ensembles the round's
+        // first one is (modulo 2^32), and what tells the pass from others.
         start: u32,
         around: u32,
         columns: u32,
         block_bits: u32,
         hand: u32,
         pass_word: u32,
+        // Slots of an ensemble: whole + rest / ensembles, and the sum of the rests before the round, below `ensembles`.
         whole: u32,
         rest: u32,
         carry: u32,
         ensembles: u32,
-        planes: u32,
+        planes: u32, // Ensembles of the round, each with a plane of its own, and the first of them.
         ensemble: u32,
-        pixels: u32,
-        epoch_bits: u32,
+        pixels: u32, // Pixels of a plane.
+        epoch_bits: u32, // Bits of the epoch, at most 31, and the epoch in the uppermost of 32 bits.
         epoch: u32,
-        key_x: u32,
+        key_x: u32, // Key of the random words.
         key_y: u32,
-        depth: f32,
-        unit: f32,
-        scale: f32,
+        depth: f32, // Depth at which a point is one pixel wide.
+        unit: f32, // -ln(1 - alpha) of an opacity that asks for a whole such pixel.
+        scale: f32, // A color of 1 in the units of the sums, and the largest color there.
         most: f32,
     }
-}
 
-gpu_struct! {
     /// Counters of the passes.
     pub struct Counters {
         visible_low: u32,
@@ -44,17 +49,13 @@ gpu_struct! {
         large: u32,
         spare: u32,
     }
-}
 
-gpu_struct! {
     /// Push constants of `spbr/large`.
     pub struct LargePush {
-        stripes: u32,
+        stripes: u32, // Workgroups of a square, and most workgroups in x.
         most: u32,
     }
-}
 
-gpu_struct! {
     /// Push constants of `spbr/resolve`: pixels of the window, ensembles, and a color of 1 in the units of the sums.
     pub struct ResolvePush {
         pixels: u32,
@@ -94,34 +95,22 @@ pass! {
         pixels: ReadWrite<u64>,
         squares: ReadWrite<u64>,
     }
-}
 
-pass! {
     /// Takes the maximum of `spbr/draw` alone, where colors are shaded, too many to be bound together, or not all on
     /// the device.
     pub Nearest(SlotsPush) = "spbr/nearest" with "nearest_wide" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
     }
-}
 
-pass! {
     /// Finds the depth of `spbr/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest" with "nearest_depth" {
-        slots: Shared<SlotsGroup>,
-        nearest: ReadWrite<NearestSplat>,
-    }
-}
-
-pass! {
+    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest" with "nearest_depth",
     /// Finds the index at the depth of `spbr/nearest-depth` by a second 32-bit pass.
     pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest" with "nearest_id" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
-}
 
-pass! {
     /// Visits the slots again, and adds the colors of the nearest points, shaded only here, to the sums of their
     /// pixels.
     pub Sum(SlotsPush) = "spbr/sum" {
@@ -131,31 +120,24 @@ pass! {
         pixels: ReadWrite<u32>,
         squares: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Turns the number of squares over 64 pixels into the arguments of the dispatch that fills them, workgroup by
     /// workgroup. It runs after each dispatch over slots where such squares are possible.
     pub Large(LargePush) = "spbr/large" {
         counters: Read<Counters>,
         arguments: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Clears the nearest point beside each pixel's sums when there are no epochs left.
     pub Renew(CountPush) = "spbr/renew" {
         pixels: ReadWrite<[u32; 2]>,
     }
-}
 
-pass! {
     /// Turns the sums of each pixel into color, A and depth, and the standard error if it is asked for.
     pub Resolve(ResolvePush) = "spbr/resolve" {
         pixels: Read<[u32; 4]>,
         squares: Read<[u32; 4]>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
         spread: ReadWrite<[f32; 4]>,
     }
 }

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::rounds::ALIGNED;
+use crate::fields;
 use crate::gpu::{Device, Error, Kept, Memory, Recorder, Slice};
 use crate::passes::project::{COLUMN_BYTES, Column, DeviceCloud};
 
@@ -106,33 +107,19 @@ impl Shelf {
     }
 }
 
-/// Points on the device, and their source; kept from frame to frame.
-pub struct Stream {
-    window: Kept<[f32; 4]>,
-    staging: Kept<[f32; 4]>,
-    packed: Vec<[f32; 4]>,
-    ids: Kept<u32>,
-    staging_ids: Kept<u32>,
-    packed_ids: Vec<u32>,
-    columns: u64,
-    shelf: Shelf,
-    /// Bytes that were copied to the device since [`Self::reserve`].
-    pub uploaded: u64,
-}
-
-impl Default for Stream {
-    fn default() -> Self {
-        Self {
-            window: Kept::new("streamed points", Memory::Device),
-            staging: Kept::new("streamed points, host", Memory::Upload),
-            packed: Vec::new(),
-            ids: Kept::new("streamed ids", Memory::Device),
-            staging_ids: Kept::new("streamed ids, host", Memory::Upload),
-            packed_ids: Vec::new(),
-            columns: 0,
-            shelf: Shelf::default(),
-            uploaded: 0,
-        }
+fields! {
+    /// Points on the device, and their source; kept from frame to frame.
+    pub struct Stream {
+        window: Kept<[f32; 4]> = Kept::new("streamed points", Memory::Device),
+        staging: Kept<[f32; 4]> = Kept::new("streamed points, host", Memory::Upload),
+        packed: Vec<[f32; 4]> = Vec::new(),
+        ids: Kept<u32> = Kept::new("streamed ids", Memory::Device),
+        staging_ids: Kept<u32> = Kept::new("streamed ids, host", Memory::Upload),
+        packed_ids: Vec<u32> = Vec::new(),
+        columns: u64 = 0,
+        shelf: Shelf = Shelf::default(),
+        /// Bytes that were copied to the device since [`Self::reserve`].
+        pub uploaded: u64 = 0,
     }
 }
 

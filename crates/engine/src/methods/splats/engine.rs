@@ -1,12 +1,11 @@
 //! The engine of `hqs` and `splats`, and the drawing in three passes that others take for their solid points.
 
-use super::{PASSES, PIXEL_BYTES, WindowJob, least_bytes, survey};
+use super::{PASSES, PIXEL_BYTES, Splatter, WindowJob, least_bytes, survey};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, PassGroup, Plan};
-use crate::methods::soft::Layer;
-use crate::methods::{Buffers, Error, Facts, Frame, Outcome, Resources, tiled};
+use crate::methods::{Buffers, Error, Facts, Frame, Layer, Outcome, Resources, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::{DeviceCloud, Extent, Footprint, Part, Projecting, Stats};
@@ -34,10 +33,6 @@ impl Engine for SplatsEngine {
         Extent::squares(frame.factors.radius * self.settings.splats.size)
     }
 
-    fn channels(&self) -> Channels {
-        Channels::NONE
-    }
-
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let BlendedSplats { splats, blend_depth, .. } = self.settings;
         let how = work.frame.projecting(cloud, self.footprint, splats, Part::All);
@@ -50,10 +45,6 @@ impl Engine for SplatsEngine {
         work.note(&stats, Walker::Compute);
         work.read_back()?;
         Ok(Outcome::Done)
-    }
-
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
     }
 }
 
@@ -113,13 +104,13 @@ pub(crate) fn draw(
     if work.survey {
         return survey(work.device, &bin, work.facts);
     }
-    let Resources { bins, splatter, layer, .. } = resources;
+    let Resources { bins, own, layer, .. } = resources;
     let (into, behind) = match onto {
         Onto::Target => (work.target.pixels(), None),
         Onto::TargetBehindLayer => (work.target.pixels(), Some(layer.depths())),
         Onto::Layer => (layer.pixels(), None),
     };
-    splatter.render(bins, work, &WindowJob { bin, blend_depth, layer: behind }, into)
+    own.of::<Splatter>(work.device)?.render(bins, work, &WindowJob { bin, blend_depth, layer: behind }, into)
 }
 
 /// Returns the conversion of a part of a cloud's points to three-pass splats: like those of `splats`, with its

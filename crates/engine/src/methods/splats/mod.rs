@@ -14,24 +14,24 @@ pub(crate) use engine::{
     solid_projecting,
 };
 
-use super::abuffer::CountPush;
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Pixels};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
-use crate::passes::project::{Footprint, TILED};
+use crate::passes::project::TILED;
+use crate::passes::raster::CountPush;
 use crate::scene::Falloff;
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of the first two passes; shaders/shared/splats.wgsl explains the members.
+    /// Push constants of the first two passes.
     pub struct SplatsPush {
         walk: TileWalk,
-        blend_depth: f32,
+        blend_depth: f32, // Fragments up to so many radii behind the nearest are blended with it.
     }
 }
 
@@ -44,9 +44,7 @@ pass! {
         limits: ReadWrite<f32>,
         depths: ReadWrite<f32>,
     }
-}
 
-pass! {
     /// Visits the same splats again, and sums w c and w of the fragments that are not hidden, w = exp(−2ρ²).
     pub Attributes(SplatsPush) = "splats/attributes" {
         tiles: Shared<TiledGroup>,
@@ -55,9 +53,7 @@ pass! {
         image: ReadWrite<[f32; 4]>,
         excess: ReadWrite<[f32; 4]>,
     }
-}
 
-pass! {
     /// Turns the sums of each pixel into color, and sets A = 1 where there are any.
     pub Normalize(CountPush) = "splats/normalize" {
         image: ReadWrite<[f32; 4]>,
@@ -82,18 +78,11 @@ pub struct WindowJob<'a> {
     pub layer: Option<Slice<'a, f32>>,
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Splatter {
-    limits: Kept<f32>,
-    excess: Kept<[f32; 4]>,
-}
-
-impl Default for Splatter {
-    fn default() -> Self {
-        Self {
-            limits: Kept::new("limits of depth", Memory::Device),
-            excess: Kept::new("excess of sums", Memory::Device),
-        }
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Splatter {
+        limits: Kept<f32> = Kept::new("limits of depth", Memory::Device),
+        excess: Kept<[f32; 4]> = Kept::new("excess of sums", Memory::Device),
     }
 }
 
@@ -149,28 +138,16 @@ impl Splatter {
         let visibility = Visibility { tiles, layer, limits, depths: into.depths };
         let (image, excess) = (into.image, self.excess.get().all());
         let attributes = Attributes { tiles, layer, limits, image, excess };
-        let run = |number: u32| OneRun {
-            later: number > 0,
-            kept: binned.region_segments() > 1,
-            behind: job.layer.is_some(),
-            cut: binned.cut(),
-            lanes: binned.lanes(),
-        };
-        let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
-        for number in 0..binned.region_segments() {
-            let (push, run) = over(number);
-            let groups = Run::new(binned.over_blocks());
-            recorder.run(&visibility, push, &groups.variant(run.visibility(raster.footprint)))?;
-        }
-        for number in 0..binned.region_segments() {
-            let (push, run) = over(number);
-            let groups = Run::new(binned.over_blocks());
-            recorder.run(&attributes, push, &groups.variant(run.attributes(raster.footprint)))?;
-        }
+        let (runs, behind) = (binned.region_segments(), job.layer.is_some());
+        let shape = compose::variant(binned.cut(), raster.footprint, Falloff::Flat);
+        let push = |walk| SplatsPush { walk, blend_depth: job.blend_depth };
+        let visible = |run| visibility_variant(shape.clone(), run, behind);
+        let attributed = |run| attributes_variant(shape.clone(), run, behind);
+        binned.record_runs(recorder, &visibility, runs, push, visible)?;
+        binned.record_runs(recorder, &attributes, runs, push, attributed)?;
         let pixels = bands::pixels(raster.window);
         let push = CountPush { count: pixels as u32 };
-        recorder.run(&Normalize { image }, push, &Run::new(Dispatch::Invocations(pixels)))?;
-        Ok(())
+        Ok(recorder.run(&Normalize { image }, push, &Run::new(Dispatch::Invocations(pixels)))?)
     }
 }
 
@@ -190,32 +167,14 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
     Ok(outcome)
 }
 
-/// A run of several that together process the tiles' splats.
-#[derive(Debug, Clone, Copy)]
-pub struct OneRun {
-    /// `true` if it goes on from the result of others.
-    pub later: bool,
-    /// `true` if it is one of several, each of which leaves its state.
-    pub kept: bool,
-    /// `true` if only fragments behind a layer count.
-    pub behind: bool,
-    /// Way to reach splats.
-    pub cut: Cut,
-    /// The invocations that go through the tiles.
-    pub lanes: Lanes,
+/// The variant of `splats/visibility`; `behind`: only fragments behind a layer count.
+fn visibility_variant(shape: Variant, run: OneRun, behind: bool) -> Variant {
+    bin::region_variant(shape, run).with("BEHIND", u32::from(behind))
 }
 
-impl OneRun {
-    /// The variant of `splats/visibility`.
-    fn visibility(self, footprint: Footprint) -> Variant {
-        let shape = compose::variant(self.cut, footprint, Falloff::Flat);
-        bin::region_variant(shape, self.later, self.lanes).with("BEHIND", u32::from(self.behind))
-    }
-
-    /// The variant of `splats/attributes`.
-    fn attributes(self, footprint: Footprint) -> Variant {
-        self.visibility(footprint).with("KEPT", u32::from(self.kept))
-    }
+/// The variant of `splats/attributes`.
+fn attributes_variant(shape: Variant, run: OneRun, behind: bool) -> Variant {
+    run.keeping(visibility_variant(shape, run, behind))
 }
 
 /// Returns the number of bytes that a pass must at least read and write: of splats each pair with a tile in each of two
@@ -233,16 +192,11 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let runs = || {
-        let choices = <((bool, bool), (bool, Cut))>::all().into_iter();
-        let sized = choices.flat_map(|((later, kept), (behind, cut))| {
-            Lanes::all().into_iter().map(move |lanes| OneRun { later, kept, behind, cut, lanes })
-        });
-        sized.flat_map(|run| TILED.map(|shape| (run, shape)))
-    };
+    let shapes = TILED.iter().flat_map(|shape| Cut::all().into_iter().map(|cut| (cut, *shape)));
+    let shapes: Vec<_> = shapes.map(|(cut, shape)| compose::variant(cut, shape, Falloff::Flat)).collect();
     vec![
-        Shader::new::<Visibility>(runs().map(|(run, shape)| run.visibility(shape))),
-        Shader::new::<Attributes>(runs().map(|(run, shape)| run.attributes(shape))),
+        Shader::new::<Visibility>(bin::run_variants(shapes.clone(), &[false, true], visibility_variant)),
+        Shader::new::<Attributes>(bin::run_variants(shapes, &[false, true], attributes_variant)),
         Shader::plain::<Normalize>(),
     ]
 }

@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use super::hardware::{self, HeldDepths};
-use super::{Kind, WindowJob, batches, least_bytes, pixel_bytes, window_pixels};
+use super::{Kind, Sampler, WindowJob, batches, least_bytes, pixel_bytes, window_pixels};
 use crate::gpu::{Device, DeviceInfo};
 use crate::methods::abuffer::counted_beside;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
+use crate::methods::engine::{Channels, Counts, Engine, Work};
 use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, ORDER, PassGroup, Plan};
-use crate::methods::parts::Plane;
+use crate::methods::parts::{Plane, Sums};
 use crate::methods::tiled::{self, Stage};
 use crate::methods::walker::sampling_walker;
 use crate::methods::{Buffers, Error, Frame, Outcome, Resources, SamplePart, abuffer};
@@ -54,7 +54,7 @@ impl Stage for StochasticEngine {
 
     fn draw(
         &self,
-        Resources { bins, sampler, .. }: &mut Resources,
+        Resources { bins, own, .. }: &mut Resources,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
         _max_color: f32,
@@ -63,6 +63,7 @@ impl Stage for StochasticEngine {
         work.facts.samples = samples - first;
         let settings = Stochastic { samples, ..self.settings };
         let job = WindowJob { bin, settings, first, seed: work.frame.seed, spread: work.frame.wants_spread() };
+        let sampler = own.of::<Sampler>(work.device)?;
         if bin.raster.walker == Walker::Hardware {
             sampler.draw(work, &job, HeldDepths::new(&work.frame.camera, bin.raster.footprint))?;
             return Ok(Outcome::Done);
@@ -99,7 +100,7 @@ impl Engine for StochasticEngine {
         let outcome = tiled::render(self, cloud, buffers, work)?;
         if outcome == Outcome::Done
             && work.sums.is_some()
-            && let Some(lengths) = tiled::counts(buffers, work.frame, work.window)?.fragments
+            && let Some(lengths) = buffers.resources.lists.counts(work.frame, work.window)?.fragments
         {
             work.keep(Plane::Lengths, &lengths);
         }
@@ -115,16 +116,16 @@ impl Engine for StochasticEngine {
     ) -> Result<(), Error> {
         work.facts.samples = work.samples.end;
         let kind = Kind { exact: self.settings.alpha_correction, spread: work.frame.wants_spread() };
-        buffers.resources.sampler.resolve(work, kind, sums)?;
+        buffers.resources.own.of::<Sampler>(work.device)?.resolve(work, kind, sums)?;
         work.finish();
         work.facts.note(&[], Walker::Compute);
         Ok(())
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        let spread = frame.wants_spread();
-        let stderr = if spread { Some(buffers.resources.sampler.read_stderr(window)?) } else { None };
-        Ok(Counts { stderr, ..tiled::counts(buffers, frame, window)? })
+        let sampler = buffers.resources.own.there::<Sampler>().filter(|_| frame.wants_spread());
+        let stderr = sampler.map(|sampler| sampler.read_stderr(window)).transpose()?;
+        Ok(Counts { stderr, ..buffers.resources.lists.counts(frame, window)? })
     }
 }
 
@@ -168,8 +169,8 @@ const SAMPLES: [&str; 4] =
 const DRAWS: [&str; 4] = ["stochastic/draw-alpha", "stochastic/draw-held", "stochastic/draw-sums", "stochastic/fold"];
 
 /// Returns the passes of stochastic transparency, without those that it shares.
-pub(crate) fn pass_groups() -> [PassGroup; 2] {
-    [PassGroup::new(&SAMPLES, Absent::Discs("no samples")), PassGroup::new(&DRAWS, Absent::Discs("no samples"))]
+pub(crate) fn pass_group() -> PassGroup {
+    PassGroup::new(&[SAMPLES, DRAWS].concat(), Absent::Discs("no samples"))
 }
 
 fn correction(settings: &Stochastic) -> &'static str {

@@ -20,30 +20,28 @@ use crate::passes::compose;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{QuadsGroup, Raster};
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
-use crate::{gpu_struct, pass};
+use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of the draws; shaders/shared/stochastic_quad.wgsl explains the members.
+    /// Push constants of the draws.
     pub struct StratumPush {
-        first: u32,
-        key_low: u32,
+        first: u32, // Index of the chunk's first splat among all.
+        key_low: u32, // The key of the stratum's random words, and which of the two it takes.
         key_high: u32,
         word: u32,
-        samples: u32,
-        base: u32,
+        samples: u32, // Samples of the stratum that count, 1 to 4.
+        base: u32, // Scale of held depths.
         shift: u32,
     }
-}
 
-gpu_struct! {
-    /// Push constants of `stochastic/fold`; the shader explains the members.
+    /// Push constants of `stochastic/fold`.
     pub struct FoldPush {
-        width: u32,
+        width: u32, // Columns and pixels of the window.
         pixels: u32,
-        stratum: u32,
-        samples: u32,
-        first: u32,
-        base: u32,
+        stratum: u32, // This stratum among the run's.
+        samples: u32, // Its samples that count, 1 to 4.
+        first: u32, // 1 for the very first stratum.
+        base: u32, // Scale of held depths.
         shift: u32,
     }
 }
@@ -53,18 +51,14 @@ pass! {
     pub DrawAlpha(StratumPush) = "stochastic/draw-alpha" in "stochastic/draw_alpha" {
         quads: Shared<QuadsGroup>,
     }
-}
 
-pass! {
     /// Draws all splats once for each 4 samples; the depth test keeps the nearest fragment of each sample among those
     /// whose mask has it.
     pub DrawHeld(StratumPush) = "stochastic/draw-held" in "stochastic/draw_held" {
         quads: Shared<QuadsGroup>,
         ids: Read<u32>,
     }
-}
 
-pass! {
     /// Draws all splats once for each 4 samples, and blends color and opacity over the samples that hold nothing
     /// nearer.
     pub DrawSums(StratumPush) = "stochastic/draw-sums" in "stochastic/draw_sums" {
@@ -72,9 +66,7 @@ pass! {
         depths: Texture<DepthSamples>,
         indices: Texture<NumberSamples>,
     }
-}
 
-pass! {
     /// Moves 4 samples of each pixel from the attachments into the buffers that compute shaders fill elsewhere, with
     /// the nearest depth.
     pub Fold(FoldPush) = "stochastic/fold" {
@@ -167,22 +159,13 @@ pub fn is_seen(raster: &Raster<'_>) -> bool {
     raster.stats.iter().any(|s| s.visible > 0)
 }
 
-/// Attachments, kept from frame to frame: 52 bytes per pixel.
-pub struct Attachments {
-    depths: KeptAttachment,
-    indices: KeptAttachment,
-    sums: KeptAttachment,
-    alphas: KeptAttachment,
-}
-
-impl Default for Attachments {
-    fn default() -> Self {
-        Self {
-            depths: KeptAttachment::new("sample depths", Format::Depth, SAMPLES),
-            indices: KeptAttachment::new("sample indices", Format::Number, SAMPLES),
-            sums: KeptAttachment::new("stratum sums", Format::Color, 1),
-            alphas: KeptAttachment::new("total opacity", Format::Number, 1),
-        }
+fields! {
+    /// Attachments, kept from frame to frame: 52 bytes per pixel.
+    pub struct Attachments {
+        depths: KeptAttachment = KeptAttachment::new("sample depths", Format::Depth, SAMPLES),
+        indices: KeptAttachment = KeptAttachment::new("sample indices", Format::Number, SAMPLES),
+        sums: KeptAttachment = KeptAttachment::new("stratum sums", Format::Color, 1),
+        alphas: KeptAttachment = KeptAttachment::new("total opacity", Format::Number, 1),
     }
 }
 
@@ -206,7 +189,10 @@ impl Sampler {
     /// Renders a window into the target by the rasterizer, or keeps its sums.
     pub(crate) fn draw(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>, depths: HeldDepths) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
-        self.reserve_drawing(device, job)?;
+        self.keys.release();
+        self.indices.release();
+        self.reserve_sums(device, job.pixels(), job.kind(), most_strata(job.batches()))?;
+        self.attachments.reserve(device, size(job.bin.raster.window))?;
         if !is_seen(&job.bin.raster) {
             return self.end_empty(work, job);
         }
@@ -214,8 +200,17 @@ impl Sampler {
         for batch in job.batches() {
             let mut recorder = work.timeline.recorder(device)?;
             if batch.before == 0 && job.finds_exact() {
-                let push = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
-                self.record_alpha(&mut recorder, job, push)?;
+                let stratum = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
+                let color = Some((self.attachments.alphas.get(), Blend::Cover));
+                let targets = Targets { color, depth: None, clear: Some(0.0) };
+                let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+                job.bin.raster.draw(
+                    &mut recorder,
+                    &draw_variant(job),
+                    targets,
+                    |quads, _| DrawAlpha { quads },
+                    push,
+                )?;
             }
             for number in 0..batch.left.div_ceil(STRATUM) {
                 self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
@@ -223,26 +218,6 @@ impl Sampler {
             self.end_batch(recorder, work, (job, batch), "stochastic/draw-held and draw-sums")?;
         }
         self.end(work, job)
-    }
-
-    fn reserve_drawing(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
-        self.keys.release();
-        self.indices.release();
-        self.reserve_sums(device, job.pixels(), job.kind(), most_strata(job.batches()))?;
-        self.attachments.reserve(device, size(job.bin.raster.window))
-    }
-
-    fn record_alpha<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        stratum: Stratum,
-    ) -> Result<(), Error> {
-        let color = Some((self.attachments.alphas.get(), Blend::Cover));
-        let targets = Targets { color, depth: None, clear: Some(0.0) };
-        let push = |first| StratumPush { first, ..stratum.push(job.seed) };
-        job.bin.raster.draw(recorder, &draw_variant(job), targets, |quads, _| DrawAlpha { quads }, push)?;
-        Ok(())
     }
 
     fn record_stratum<'a>(
@@ -272,8 +247,7 @@ impl Sampler {
         let push = stratum.fold_push(job);
         let kind = Kind { exact: job.finds_exact(), ..job.kind() };
         let run = Run::new(Dispatch::Invocations(job.pixels())).variant(fold_variant(kind));
-        recorder.run(&fold, push, &run)?;
-        Ok(())
+        Ok(recorder.run(&fold, push, &run)?)
     }
 }
 

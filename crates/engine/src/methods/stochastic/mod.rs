@@ -12,12 +12,11 @@ mod engine;
 pub mod hardware;
 mod tiles;
 
-pub(crate) use engine::{StochasticEngine, pass_groups};
+pub(crate) use engine::{StochasticEngine, pass_group};
 pub use tiles::{Accumulate, StochasticPush, Visibility};
 
-use super::abuffer::record_nothing;
 use super::engine::Work;
-use super::parts::Plane;
+use super::parts::{MOST_STRATA, Plane};
 use super::told::Told;
 use super::{Error, Facts, Outcome, SamplePart, Target};
 use crate::choices::Choices;
@@ -28,23 +27,19 @@ use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins};
 use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
-use crate::{choices, gpu_struct, pass};
+use crate::{choices, fields, gpu_struct, pass};
 
-/// Most strata that go through the splats together.
-pub const MOST_STRATA: u32 = 4;
 /// Samples of the first round where an error is asked for: the spread of four strata tells how many it takes.
 pub const FIRST_SAMPLES: u32 = 16;
 
 gpu_struct! {
-    /// Push constants of `stochastic/gather`; the shader explains the members.
+    /// Push constants of `stochastic/gather`.
     pub struct GatherPush {
         pixels: u32,
-        before: u32,
+        before: u32, // Samples of the strata before, and those to take from the run's first one on.
         left: u32,
     }
-}
 
-gpu_struct! {
     /// Push constants of `stochastic/resolve`: pixels of the window, and samples of each.
     pub struct ResolvePush {
         pixels: u32,
@@ -60,9 +55,7 @@ pass! {
         image: ReadWrite<[f32; 4]>,
         spread: ReadWrite<[f32; 4]>,
     }
-}
 
-pass! {
     /// Turns the sums of each pixel into color, A and standard error.
     pub Resolve(ResolvePush) = "stochastic/resolve" {
         exact: Read<f32>,
@@ -215,31 +208,20 @@ impl WindowJob<'_> {
     }
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Sampler {
-    keys: Kept<[u32; 4]>,
-    indices: Kept<[u32; 4]>,
-    sums: Kept<[f32; 4]>,
-    exact: Kept<f32>,
-    spread: Kept<[f32; 4]>,
-    told: Told<[f32; 4]>,
-    attachments: hardware::Attachments,
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Sampler {
+        keys: Kept<[u32; 4]> = Kept::new("sample depths", Memory::Device),
+        indices: Kept<[u32; 4]> = Kept::new("sample splats", Memory::Device),
+        sums: Kept<[f32; 4]> = Kept::new("sample sums", Memory::Device),
+        exact: Kept<f32> = Kept::new("exact alpha", Memory::Device),
+        spread: Kept<[f32; 4]> = Kept::new("sample spread", Memory::Device),
+        told: Told<[f32; 4]> = Told::new("sample spread, host"),
+        attachments: hardware::Attachments = hardware::Attachments::default(),
+    }
 }
 
 impl Sampler {
-    /// No buffers yet.
-    pub fn new() -> Self {
-        Self {
-            keys: Kept::new("sample depths", Memory::Device),
-            indices: Kept::new("sample splats", Memory::Device),
-            sums: Kept::new("sample sums", Memory::Device),
-            exact: Kept::new("exact alpha", Memory::Device),
-            spread: Kept::new("sample spread", Memory::Device),
-            told: Told::new("sample spread, host"),
-            attachments: hardware::Attachments::default(),
-        }
-    }
-
     /// Renders a window into the target, or keeps its sums.
     pub(crate) fn render(
         &mut self,
@@ -350,7 +332,7 @@ impl Sampler {
             return Ok(());
         }
         let mut recorder = work.timeline.recorder(work.device)?;
-        record_nothing(&mut recorder, work.target, job.bin.raster.window)?;
+        work.target.pixels().record_nothing(&mut recorder, job.bin.raster.window)?;
         // As where something else shows in the window: one stratum tells no spread.
         let spread = if job.settings.samples <= STRATUM { f32::INFINITY } else { 0.0 };
         recorder.fill("image/clear", self.spread.get().all(), spread.to_bits())?;
@@ -398,8 +380,7 @@ impl Sampler {
         let pass = Gather { sums: self.sums.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = GatherPush { pixels: pixels as u32, before: batch.before, left: batch.left };
         let variant = gather_variant(kind, batch.strata);
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?;
-        Ok(())
+        Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?)
     }
 
     fn record_resolve<'a>(
@@ -412,14 +393,7 @@ impl Sampler {
         let pass = Resolve { exact: self.exact.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = ResolvePush { pixels: pixels as u32, samples };
         let variant = resolve_variant(kind);
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?;
-        Ok(())
-    }
-}
-
-impl Default for Sampler {
-    fn default() -> Self {
-        Self::new()
+        Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?)
     }
 }
 

@@ -3,21 +3,21 @@
 use super::{Batch, Kind, STRATA, Sampler, WindowJob};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Run, Variant};
+use crate::gpu::{Recorder, Variant};
 use crate::methods::{Error, Target};
-use crate::passes::bin::{self, Lanes, OrderedTiles, TileWalk, TiledGroup};
+use crate::passes::bin::{self, OneRun, OrderedTiles, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of both passes; shaders/shared/stochastic.wgsl explains the members.
+    /// Push constants of both passes.
     pub struct StochasticPush {
         walk: TileWalk,
-        pixels: u32,
-        before: u32,
+        pixels: u32, // Pixels of the window.
+        before: u32, // Samples of the strata before this run's, and those to take from its first one on.
         left: u32,
-        key_low: u32,
+        key_low: u32, // The random numbers' key for the run's first two strata.
         key_high: u32,
     }
 }
@@ -31,9 +31,7 @@ pass! {
         held_indices: ReadWrite<[u32; 4]>,
         ids: Read<u32>,
     }
-}
 
-pass! {
     /// Visits the splats of `stochastic/visibility` again, and sums α c and α over the samples where each is visible.
     /// With the first strata it also finds the exact A.
     pub Accumulate(StochasticPush) = "stochastic/accumulate" {
@@ -46,10 +44,9 @@ pass! {
     }
 }
 
-/// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes
-/// on from what earlier ones left.
-fn tile_variant(shape: Variant, strata: u32, later: bool, lanes: Lanes) -> Variant {
-    bin::region_variant(shape, later, lanes)
+/// The variant of `stochastic/visibility`, from that of shape and falloff.
+fn tile_variant(shape: Variant, run: OneRun, strata: u32) -> Variant {
+    bin::region_variant(shape, run)
         .constant("STRATA", strata)
         .each("stratum", strata)
         .each("pair", strata / STRATA_OF_A_CALL)
@@ -78,21 +75,13 @@ impl Sampler {
         };
         let binned = tiles.binned;
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.settings.discs.falloff);
-        let runs = |segment: u32| {
-            let push = push(job, binned.walk(segment), batch);
-            (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.lanes()))
-        };
-        let dispatch = || Run::new(binned.over_blocks());
-        for segment in 0..binned.region_segments() {
-            let (push, variant) = runs(segment);
-            recorder.run(&visibility, push, &dispatch().variant(variant))?;
-        }
+        let runs = binned.region_segments();
+        let push = |walk| push(job, walk, batch);
+        let tile = |run| tile_variant(shape.clone(), run, batch.strata);
+        binned.record_runs(recorder, &visibility, runs, push, tile)?;
         // All strata have the same exact A: the first ones find it.
         let kind = Kind { exact: job.finds_exact() && batch.before == 0, ..job.kind() };
-        for segment in 0..binned.region_segments() {
-            let (push, variant) = runs(segment);
-            recorder.run(&accumulate, push, &dispatch().variant(kind.apply_to(variant)))?;
-        }
+        binned.record_runs(recorder, &accumulate, runs, push, |run| kind.apply_to(tile(run)))?;
         Ok(())
     }
 }
@@ -106,11 +95,7 @@ fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let later = compose::variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
-    let tiles: Vec<Variant> = later
-        .flat_map(|(shape, later)| Lanes::all().into_iter().map(move |lanes| (shape.clone(), later, lanes)))
-        .flat_map(|(shape, later, lanes)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, lanes)))
-        .collect();
+    let tiles = bin::run_variants(compose::variants(), &STRATA, tile_variant);
     let kinds = || Kind::all().into_iter();
     let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.apply_to(tile.clone())));
     vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]

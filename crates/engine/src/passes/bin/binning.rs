@@ -1,6 +1,6 @@
 //! Binning of the splats of a window: its tiles, and the runs of splats that subgroups take.
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, SEGMENT, region_segment};
 use super::passes::{TilePush, TileWalk};
 use super::{Job, RECORD_BYTES, order_bytes};
 use crate::gpu::{Device, Dispatch};
@@ -26,14 +26,6 @@ pub(super) const INDEX_BITS: u32 = 32 - BLOCKS;
 const WALK_BLOCK: u32 = 32;
 /// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
 const MOST_ITERATIONS: u64 = 50_000;
-/// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so
-/// that the smallest opacities don't round away in a sum of millions.
-pub(super) const SEGMENT: u32 = 2048;
-/// Returns the same for stages that go through tiles region by region, whose workgroups note that many: wide ones may
-/// not take the room of others.
-pub(super) const fn region_segment(subgroup: u32) -> u32 {
-    if subgroup < 16 { SEGMENT } else { SEGMENT / 2 }
-}
 /// Shortest run of splats that a subgroup walks.
 pub(super) const SHORTEST_RUN: u64 = 256;
 /// Counters of tiles by run that a splat may have on average, if there are more than a few runs.

@@ -1,11 +1,18 @@
 //! The invocations of the stages that go through tiles.
 
-use super::binning::region_segment;
 use crate::choices::Choices;
 use crate::gpu::Device;
 use crate::gpu::shader::SUBGROUPS;
 use crate::passes::Error;
 
+/// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so
+/// that the smallest opacities don't round away in a sum of millions.
+pub(super) const SEGMENT: u32 = 2048;
+/// Returns the same for stages that go through tiles region by region, whose workgroups note that many: wide ones may
+/// not take the room of others.
+pub(super) const fn region_segment(subgroup: u32) -> u32 {
+    if subgroup < 16 { SEGMENT } else { SEGMENT / 2 }
+}
 /// Subgroups of a workgroup where a device prefers several.
 const TEAM: u32 = 4;
 

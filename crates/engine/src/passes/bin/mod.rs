@@ -10,6 +10,7 @@ mod keys;
 mod lanes;
 mod ordered_tiles;
 mod passes;
+mod runs;
 mod sort;
 mod tile_lists;
 
@@ -19,6 +20,7 @@ pub use lanes::Lanes;
 pub use ordered_tiles::OrderedTiles;
 pub(crate) use ordered_tiles::{fold_blocks_variant, fold_variant, gather_variant, region_variant};
 pub use passes::*;
+pub(crate) use runs::{OneRun, run_variants};
 pub use sort::{order_runs, sort_bytes};
 
 use self::binning::{BLOCK_SIDE, Binning, INDEX_BITS, TILE_SIDE};
@@ -34,6 +36,7 @@ use super::radix::Radix;
 use super::raster::Raster;
 use super::scan::Scan;
 use super::timeline::Timeline;
+use crate::fields;
 use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Kept, Memory, Recorder};
 use crate::prepare::axes::Axis;
@@ -74,16 +77,19 @@ pub struct Job<'a> {
     pub counted_bytes: u64,
 }
 
-/// Buffers, kept from frame to frame.
-pub struct Bins {
-    radix: Radix,
-    records: [Kept<[u32; 2]>; 2],
-    counts: Kept<u32>,
-    cursors: Kept<u32>,
-    scan: Option<Scan>,
-    overflow: Buffer<u32>,
-    longest: Buffer<u32>,
-    entries: Kept<u32>,
+fields! {
+    /// Buffers, kept from frame to frame.
+    pub struct Bins by device {
+        radix: Radix = Radix::new(device)?,
+        records: [Kept<[u32; 2]>; 2] =
+            ["sort records", "sort records, moved"].map(|name| Kept::new(name, Memory::Device)),
+        counts: Kept<u32> = Kept::new("tile counts by run", Memory::Device),
+        cursors: Kept<u32> = Kept::new("tile cursors by run", Memory::Device),
+        scan: Option<Scan> = None,
+        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+        longest: Buffer<u32> = device.buffer("longest tile list", 1, Memory::Device)?,
+        entries: Kept<u32> = Kept::new("ordered tile entries", Memory::Device),
+    }
 }
 
 /// Outcome of binning a window.
@@ -109,21 +115,6 @@ pub enum Survey {
 }
 
 impl Bins {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        let records = |name| Kept::new(name, Memory::Device);
-        Ok(Self {
-            radix: Radix::new(device)?,
-            records: [records("sort records"), records("sort records, moved")],
-            counts: Kept::new("tile counts by run", Memory::Device),
-            cursors: Kept::new("tile cursors by run", Memory::Device),
-            scan: None,
-            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
-            longest: device.buffer("longest tile list", 1, Memory::Device)?,
-            entries: Kept::new("ordered tile entries", Memory::Device),
-        })
-    }
-
     /// Sorts a window's splats and counts those of each tile. The tiles' lists are there once [`Self::record_tiles`]
     /// has run.
     pub fn bin(&mut self, device: &Device, job: &Job<'_>, timeline: &mut Timeline) -> Result<Bin, Error> {

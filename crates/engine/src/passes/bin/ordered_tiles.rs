@@ -1,8 +1,9 @@
 //! Tiles with their splats in order, and the stages that go through them.
 
-use super::binning::{BLOCK_SIDE, BLOCKS, Binned, SEGMENT, TILE_SIDE, pattern, region_segment};
-use super::lanes::Lanes;
+use super::binning::{BLOCK_SIDE, BLOCKS, Binned, TILE_SIDE, pattern};
+use super::lanes::{Lanes, SEGMENT, region_segment};
 use super::passes::{TileWalk, Tiled, TilesPush};
+use super::runs::OneRun;
 use crate::gpu::{Dispatch, Pass, Recorder, Run, Variant};
 use crate::passes::Error;
 use crate::passes::bands::{Band, Window};
@@ -47,26 +48,25 @@ impl<'a> OrderedTiles<'a> {
     }
 }
 
-/// Returns the variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a
-/// run that goes on from what earlier ones left.
-pub(crate) fn fold_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
-    blocks(shape, SEGMENT, lanes).with("LATER", u32::from(later))
+/// Returns the variant of stages that go through tiles with whole splats, from that of shape and falloff.
+pub(crate) fn fold_variant(shape: Variant, run: OneRun) -> Variant {
+    blocks(shape, SEGMENT, run.lanes).with("LATER", u32::from(run.later))
 }
 
 /// Returns the variant of stages that go through each tile region by region (shaders/shared/region_fold.wgsl), like
 /// [`fold_variant`].
-pub(crate) fn region_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
-    let taken = region_segment(lanes.subgroup);
-    blocks(shape, taken, lanes)
-        .with("LATER", u32::from(later))
+pub(crate) fn region_variant(shape: Variant, run: OneRun) -> Variant {
+    let taken = region_segment(run.lanes.subgroup);
+    blocks(shape, taken, run.lanes)
+        .with("LATER", u32::from(run.later))
         .constant("PICKED", taken)
-        .constant("REGION_COLUMNS", pattern(lanes.subgroup)[0])
+        .constant("REGION_COLUMNS", pattern(run.lanes.subgroup)[0])
 }
 
 /// Returns the same where each block of a tile has a subgroup of its own ([`Binned::over_blocks`]): for stages that
 /// hold much for each pixel.
-pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
-    let mut variant = fold_variant(shape, later, lanes).with("SHARED", BLOCKS);
+pub(crate) fn fold_blocks_variant(shape: Variant, run: OneRun) -> Variant {
+    let mut variant = fold_variant(shape, run).with("SHARED", BLOCKS);
     for (_, count) in &mut variant.counts {
         *count /= BLOCKS;
     }

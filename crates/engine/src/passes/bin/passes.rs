@@ -5,26 +5,55 @@ use crate::passes::project::{Bounds, View};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of `bin/keys`; the shader explains the members.
+    /// Push constants of `bin/keys`.
     pub struct KeysPush {
-        count: u32,
+        count: u32, // Points of the chunk, and the index of its first.
         first: u32,
-        nearest: u32,
+        nearest: u32, // The number subtracted from depth keys; the key of undrawn splats, less that number.
         none: u32,
     }
-}
 
-gpu_struct! {
-    /// Push constants of the passes that meet splats with tiles; shaders/shared/tile_push.wgsl explains the members.
+    /// Push constants of the passes that meet splats with tiles.
     pub struct TilePush {
-        count: u32,
+        count: u32, // Drawn splats, and how they are cut into runs.
         runs: u32,
         run_length: u32,
-        columns: u32,
+        columns: u32, // Tiles of the window in x and y, and of a block.
         rows: u32,
         block_columns: u32,
         block_rows: u32,
-        blocks_x: u32,
+        blocks_x: u32, // Blocks in x.
+    }
+
+    /// Push constants of the passes that go through a presorted order.
+    pub struct PresortedPush {
+        count: u32, // Points.
+        run_length: u32,
+        backward: u32, // 1: the last point comes first.
+    }
+
+    /// Push constants of `bin/measure`: tiles, and cells of each.
+    pub struct MeasurePush {
+        tiles: u32,
+        runs: u32, // Cells of a tile in the table of prefix sums.
+    }
+
+    /// Run of the tiles' splats that a stage takes: the first member of its push constants;
+    /// shaders/shared/tile_run.wgsl explains them.
+    pub struct TileWalk {
+        columns: u32,
+        first_tile: u32,
+        tiles: u32,
+        runs: u32,
+        segment: u32,
+    }
+
+    /// Push constants of stages that collect fragments.
+    pub struct TilesPush {
+        walk: TileWalk,
+        band_start: u32, // The band of pixels in work, and its first fragment among the window's.
+        band_end: u32,
+        first_fragment: u32,
     }
 }
 
@@ -37,28 +66,14 @@ pass! {
         points: Read<[u32; 4]>,
         records: ReadWrite<[u32; 2]>,
     }
-}
 
-gpu_struct! {
-    /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl explains the
-    /// members.
-    pub struct PresortedPush {
-        count: u32,
-        run_length: u32,
-        backward: u32,
-    }
-}
-
-pass! {
     /// Counts the drawn points of each run of a presorted order, by one subgroup.
     pub Pick(PresortedPush) = "bin/pick" {
         order: Read<u32>,
         bounds: Read<Bounds>,
         counts: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Writes the record of each drawn point of a presorted order to its place among them, over the same runs as
     /// `bin/pick`.
     pub Place(PresortedPush) = "bin/place" {
@@ -67,9 +82,7 @@ pass! {
         starts: Read<u32>,
         records: ReadWrite<[u32; 2]>,
     }
-}
 
-pass! {
     /// Counts the splats of each run in each tile: one increment for each drawn splat and tile that its rectangle
     /// meets.
     pub TileCount(TilePush) = "bin/tile-count" in "bin/tile_count" {
@@ -78,9 +91,7 @@ pass! {
         bounds: Read<Bounds>,
         counts: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Stores each splat in the lists of its tiles: one subgroup for each run of splats and block of tiles, in order.
     pub TileStore(TilePush) = "bin/tile-store" in "bin/tile_store" {
         view: Uniform<View>,
@@ -89,43 +100,11 @@ pass! {
         cursors: ReadWrite<u32>,
         entries: ReadWrite<u32>,
     }
-}
 
-gpu_struct! {
-    /// Push constants of `bin/measure`: tiles, and cells of each.
-    pub struct MeasurePush {
-        tiles: u32,
-        runs: u32,
-    }
-}
-
-pass! {
     /// Finds the longest list of a tile.
     pub Measure(MeasurePush) = "bin/measure" {
         starts: Read<u32>,
         longest: ReadWrite<u32>,
-    }
-}
-
-gpu_struct! {
-    /// Run of the tiles' splats that a stage takes: the first member of its push constants;
-    /// shaders/shared/tile_run.wgsl explains them.
-    pub struct TileWalk {
-        columns: u32,
-        first_tile: u32,
-        tiles: u32,
-        runs: u32,
-        segment: u32,
-    }
-}
-
-gpu_struct! {
-    /// Push constants of stages that collect fragments; shaders/shared/tile_gather.wgsl explains the members.
-    pub struct TilesPush {
-        walk: TileWalk,
-        band_start: u32,
-        band_end: u32,
-        first_fragment: u32,
     }
 }
 

@@ -5,14 +5,12 @@ mod cloud;
 mod footprint;
 mod part;
 mod shade;
-mod view;
 
 pub use beam::{Beam, Extent};
-pub use cloud::{COLUMN_BYTES, Column, CutFor, DeviceCloud, GaussianColumns, LightImages, Placed, Present};
+pub use cloud::{COLUMN_BYTES, Column, CutFor, DeviceCloud, GaussianColumns, LightImages, Placed, Present, View};
 pub use footprint::{DISCS, Footprint, TILED};
 pub use part::{Part, Parts};
 pub(crate) use shade::Shaded;
-pub use view::View;
 
 use self::part::{PART_MARKED, PART_SOFT, PART_SOLID};
 use crate::choices::Choices;
@@ -78,7 +76,7 @@ impl Stats {
 gpu_struct! {
     /// Push constants: points of the chunk, and its number.
     pub struct ProjectPush {
-        count: u32,
+        count: u32, // Points of the chunk, and its number.
         chunk: u32,
     }
 }
@@ -200,6 +198,31 @@ group! {
         /// Statistics that the passes collect.
         stats: ReadWrite<Stats>,
     }
+}
+
+gpu_struct! {
+    /// Push constants: points of the chunk, its number, and the index of its first point among all.
+    pub struct PointsPush {
+        count: u32, // Points of the chunk, its number, and the index of its first point among all.
+        chunk: u32,
+        first: u32,
+    }
+}
+
+impl PointsPush {
+    /// Creates those of a chunk with so many points from the first one.
+    pub fn new(chunk: usize, (first, count): (u64, u64)) -> Self {
+        Self { count: count as u32, chunk: chunk as u32, first: first as u32 }
+    }
+}
+
+/// Points of one invocation of a pass that takes them straight to their pixels, at most 32. Those of doubtful pixel are
+/// done once more at the end: the more points, the fewer such ends.
+pub const POINTS_RUN: u64 = 16;
+
+/// Returns the dispatch of a pass over a chunk of so many points.
+pub fn points_dispatch(count: u64) -> Dispatch<'static> {
+    Dispatch::Invocations(count.div_ceil(POINTS_RUN))
 }
 
 /// Points of one invocation of `project/splats`, at most 32: the more, the fewer atomics meet in the statistics.

@@ -2,9 +2,7 @@
 
 use super::Projecting;
 use crate::choices;
-use crate::choices::Choices;
 use crate::gpu::Variant;
-use crate::passes::compose::Cut;
 use crate::scene::{ColorSpace, Formula};
 
 impl Projecting {
@@ -47,15 +45,5 @@ impl Shaded {
         let model = if self.normals || self.lit { self.model } else { Formula::None };
         let variant = Variant::plain().with("SHADING", model as u32).with("LIT", u32::from(self.lit));
         variant.with("ENCODED", self.color as u32)
-    }
-
-    /// Returns the variant of a shader that reads points in parts.
-    pub(crate) fn cut(self, cut: Cut) -> Variant {
-        cut.apply_to(self.variant())
-    }
-
-    /// Returns the variants of such a shader.
-    pub(crate) fn cut_variants() -> Vec<Variant> {
-        <(Self, Cut)>::all().into_iter().map(|(shaded, cut)| shaded.cut(cut)).collect()
     }
 }

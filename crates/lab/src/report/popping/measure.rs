@@ -5,7 +5,7 @@ use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::LinearImage;
-use pellucid_engine::methods::{self, Frame, Renderer};
+use pellucid_engine::methods::{self, Frame, Renderer, Upload};
 use pellucid_engine::output::linear;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
@@ -36,7 +36,7 @@ pub struct Film<'a> {
 pub fn measure(device: &Device, film: &Film<'_>, candidates: &[Candidate], progress: &Progress) -> Result<Popping> {
     progress.set_length(((1 + candidates.len()) * film.cameras.len()) as u64);
     let mut first = Renderer::new(device)?;
-    let mut cloud = first.upload_for(&film.frame.detail, film.arranged, None)?;
+    let mut cloud = first.upload(Upload::with_detail(film.arranged, &film.frame.detail))?;
     // The others take about as much memory as this one.
     let peak = first.render(&mut cloud, film.frame)?.facts.peak_device_bytes;
     drop(first);

@@ -69,8 +69,7 @@ pub fn open(
     let spread = dealer.finish(read);
     // The points themselves are not needed here any more.
     let sample = Arc::new(sample.standing_for(&known, identity));
-    let nowhere = nowhere(&sample);
-    session.uploaded.cloud = session.renderer.supply(&sample, &(Arc::new(nowhere) as Arc<_>))?;
+    session.uploaded.cloud = session.renderer.upload(&supplied_from_nowhere(&sample))?;
     if let Some((threshold, parts)) = parts {
         session.uploaded.cloud.know_parts(threshold, parts);
     }
@@ -119,6 +118,11 @@ fn packed(points: &Points) -> Vec<u8> {
     let mut bytes = Vec::new();
     points.pack(&mut bytes);
     bytes
+}
+
+/// Points that come from other ranks; a sample stands for them.
+fn supplied_from_nowhere(sample: &Arc<Points>) -> Arranged {
+    Arranged::Supplied(Supplied { supply: Arc::new(nowhere(sample)), sample: Arc::clone(sample), dealt: None })
 }
 
 /// Streams a single point of the scene, for regions in which no point shows.

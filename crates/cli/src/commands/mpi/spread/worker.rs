@@ -15,8 +15,8 @@ use super::super::ranks::{Ranks, decoded, encoded};
 use super::super::turn::Turn;
 use super::super::work::Work;
 use super::frame::Own;
-use super::nowhere;
 use super::orders::Order;
+use super::supplied_from_nowhere;
 use crate::commands::options::DeviceArgs;
 
 /// The device of a rank, with what it knows of the scene.
@@ -24,7 +24,7 @@ struct Worker {
     renderer: Renderer,
     cloud: DeviceCloud,
     /// Points that stand for all.
-    sample: Points,
+    sample: Arc<Points>,
 }
 
 /// Does what the first rank orders until that has nothing more to do.
@@ -63,7 +63,8 @@ fn read<T>(ranks: &Ranks, from: impl FnOnce(&[u8]) -> std::result::Result<T, Unr
 impl Worker {
     fn open(asked: &DeviceArgs, ranks: &Ranks, sample: Points, parts: Option<(f32, Parts)>) -> Result<Self> {
         let renderer = Renderer::new(&ranks.device(asked)?)?;
-        let mut cloud = renderer.supply(&sample, &(Arc::new(nowhere(&sample)) as Arc<_>))?;
+        let sample = Arc::new(sample);
+        let mut cloud = renderer.upload(&supplied_from_nowhere(&sample))?;
         if let Some((threshold, parts)) = parts {
             cloud.know_parts(threshold, parts);
         }

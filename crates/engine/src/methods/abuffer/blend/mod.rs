@@ -15,36 +15,40 @@ use self::in_place::in_place_merges;
 use super::passes::*;
 use super::{LOCAL_LENGTH, Room, RunBuffers, Shown, WindowJob};
 use crate::choices::Choices;
+use crate::fields;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::Target;
-use crate::methods::sorted::{STOP_EXACT, STOP_NEVER, STOPS};
-use crate::passes::bands::{self, Band};
+use crate::passes::bands::Band;
 use crate::passes::bin::OrderedTiles;
-use crate::passes::compose::{self, Composing, Cut};
+use crate::passes::compose::{self, Composing, Cut, STOP_EXACT, STOP_NEVER, STOPS};
 use crate::passes::project::Footprint;
 use crate::scene::{Falloff, LongLists};
 
 /// Splats that one run of `abuffer/resolve-ordered` takes of a list: one iteration each.
 const ORDERED_TAKEN: u32 = 32_768;
-/// Place of the number of long lists among the words of [`LongWork`].
-const LIST_COUNT: u64 = 7;
-/// Place of the workgroups of a dispatch that gives one to each run.
+/// Places of workgroups among the words of [`LongWork`]: with an invocation for each run, with one for each long list,
+/// and one workgroup for each run; and place of the number of long lists.
+const RUN_GROUPS: u64 = 0;
+const LIST_GROUPS: u64 = 4;
 const WHOLE_GROUPS: u64 = 8;
+const LIST_COUNT: u64 = 7;
 /// Pixels of one invocation that classifies.
 const CLASSIFY_RUN: u64 = 64;
 
-/// Buffers of sorting and blending, kept from frame to frame.
-pub struct Blender {
-    classes: Buffer<u32>,
-    pixels: Kept<u32>,
-    runs: Kept<ListRun>,
-    lists: Kept<LongList>,
-    partials: Kept<Partial>,
-    work: Buffer<LongWork>,
-    long: RunBuffers,
-    /// `true` if workgroups share lists.
-    shared: bool,
+fields! {
+    /// Buffers of sorting and blending, kept from frame to frame.
+    pub struct Blender by device {
+        classes: Buffer<u32> = device.buffer("classes", CLASS_WORDS * (CLASSES.len() as u64 + 1), Memory::Device)?,
+        pixels: Kept<u32> = Kept::new("pixels by class", Memory::Device),
+        runs: Kept<ListRun> = Kept::new("list runs", Memory::Device),
+        lists: Kept<LongList> = Kept::new("long lists", Memory::Device),
+        partials: Kept<Partial> = Kept::new("partial sums", Memory::Device),
+        work: Buffer<LongWork> = device.buffer("long work", 1, Memory::Device)?,
+        long: RunBuffers = RunBuffers::default(),
+        /// `true` if workgroups share lists.
+        shared: bool = device.info().prefers.shared_work,
+    }
 }
 
 /// A band whose fragments are stored.
@@ -86,44 +90,51 @@ pub struct Blending<'a> {
     pub band: Band,
     /// Lengths of the window's lists.
     pub lengths: Lengths,
+    /// Buffers of sorting and blending.
+    pub blender: &'a Blender,
+    /// The destination.
+    pub target: &'a Target,
 }
 
 /// A band's lists, sorted, and their runs.
 #[derive(Clone, Copy)]
 pub struct Runs<'a> {
-    /// Way to reach the splats.
-    pub composing: Composing<'a>,
     /// Way in which the splats are cut into bindings.
     pub cut: Cut,
-    /// Counts and indirect arguments.
-    pub work: Slice<'a, LongWork>,
-    /// The runs.
-    pub runs: Slice<'a, ListRun>,
+    /// The splats, the runs and their fragments.
+    pub sorted: Sorted<'a>,
     /// The lists.
     pub lists: Slice<'a, LongList>,
-    /// Buffer of their fragments.
-    pub fragments: Slice<'a, [u32; 2]>,
     /// Records of fragments; any buffer where there are none.
     pub records: Slice<'a, [u32; 4]>,
     /// Buffer that the composed runs are written to.
     pub partials: Slice<'a, Partial>,
 }
 
-impl Blender {
-    /// Allocates the small buffers alone.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            classes: device.buffer("classes", CLASS_WORDS * (CLASSES.len() as u64 + 1), Memory::Device)?,
-            pixels: Kept::new("pixels by class", Memory::Device),
-            runs: Kept::new("list runs", Memory::Device),
-            lists: Kept::new("long lists", Memory::Device),
-            partials: Kept::new("partial sums", Memory::Device),
-            work: device.buffer("long work", 1, Memory::Device)?,
-            long: RunBuffers::default(),
-            shared: device.info().prefers.shared_work,
-        })
+impl<'a> Runs<'a> {
+    /// Returns what the passes over lists bind.
+    pub fn listed(&self) -> Listed<'a> {
+        let Sorted { composing, work, runs, fragments } = self.sorted;
+        Listed { composing, work, lists: self.lists, runs, fragments }
     }
 
+    /// Returns a dispatch with an invocation for each run.
+    pub fn over_runs(&self, variant: Variant) -> Run<'a> {
+        over_long(self.sorted.work, RUN_GROUPS).variant(variant)
+    }
+
+    /// Returns a dispatch with a workgroup for each run.
+    pub fn over_whole_runs(&self, variant: Variant) -> Run<'a> {
+        over_long(self.sorted.work, WHOLE_GROUPS).variant(variant)
+    }
+
+    /// Returns a dispatch with an invocation for each list.
+    pub fn over_lists(&self, variant: Variant) -> Run<'a> {
+        over_long(self.sorted.work, LIST_GROUPS).variant(variant)
+    }
+}
+
+impl Blender {
     /// Reserves room for a window of `pixels`, with at most `long` fragments in a band's long lists.
     pub fn reserve(&mut self, device: &Device, pixels: u64, long: u64) -> Result<(), Error> {
         self.pixels.reserve(device, pixels)?;
@@ -175,16 +186,13 @@ impl Blender {
         &'a self,
         recorder: &mut Recorder<'a>,
         blending: &Blending<'a>,
-        target: &'a Target,
     ) -> Result<(), super::Error> {
-        let Blending { ref job, stored, ref band, lengths } = *blending;
+        let Blending { ref job, stored, ref band, lengths, target, .. } = *blending;
         let cut = stored.cut;
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
-        let composing = Composing::new(job.raster.cloud, cut);
-        let (image, depths) = (target.image(), target.depths());
         let stopping = resolving_variant(variant.clone(), job.shown, job.stop.0);
         let classes = || occurring(CLASSES.into_iter().enumerate(), lengths.longest);
-        let lists = self.record_sorted_classes(recorder, blending, classes(), target)?;
+        let lists = self.record_sorted_classes(recorder, blending, classes())?;
         for (index, (capacity, name)) in classes() {
             let push = ResolvePush {
                 class_index: index as u32,
@@ -205,19 +213,15 @@ impl Blender {
         }
 
         self.record_split(recorder, stored, band)?;
-        let sorted = self.record_sort(recorder, job, stored, lengths.longest)?;
-        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        let partials = self.partials.get().all();
-        let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
-        recorder.run(&blend, (), &self.over_runs().variant(composing_variant(variant.clone(), job.shown)))?;
+        let runs = self.runs_of(blending, self.record_sort(recorder, job, stored, lengths.longest)?);
+        let (sorted, partials, blended) = (runs.listed(), runs.partials, composing_variant(variant.clone(), job.shown));
+        recorder.run(&BlendRuns { sorted: runs.sorted, partials }, (), &runs.over_runs(blended.clone()))?;
         self.record_combine(recorder, job.shown, target)?;
         if job.discs.gaussians.stop > 0.0 {
-            let end = End { composing, work, lists, runs, fragments: sorted, partials, image, depths };
-            recorder.run(&end, (), &self.over_lists().variant(composing_variant(variant.clone(), job.shown)))?;
+            recorder.run(&End { sorted, partials, into: target.pixels() }, (), &runs.over_lists(blended))?;
         }
         if job.shown == Shown::Median {
-            let median = Median { composing, work, lists, runs, fragments: sorted, partials, depths };
-            recorder.run(&median, (), &self.over_lists().variant(variant))?;
+            recorder.run(&Median { sorted, partials, depths: target.depths() }, (), &runs.over_lists(variant))?;
         }
         Ok(())
     }
@@ -230,9 +234,8 @@ impl Blender {
         target: &'a Target,
     ) -> Result<(), super::Error> {
         let (work, lists, partials) = (self.work.all(), self.lists.get().all(), self.partials.get().all());
-        let (image, depths) = (target.image(), target.depths());
-        let combine = self.over_lists().variant(composing_variant(Variant::plain(), shown));
-        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &combine)?)
+        let combine = over_long(work, LIST_GROUPS).variant(composing_variant(Variant::plain(), shown));
+        Ok(recorder.run(&Combine { work, lists, partials, into: target.pixels() }, (), &combine)?)
     }
 
     /// Records every list in sorted runs, short ones too.
@@ -241,7 +244,7 @@ impl Blender {
         recorder: &mut Recorder<'a>,
         blending: &Blending<'a>,
     ) -> Result<Runs<'a>, super::Error> {
-        let Blending { ref job, stored, ref band, lengths } = *blending;
+        let Blending { ref job, stored, ref band, lengths, .. } = *blending;
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         recorder.fill("abuffer/clear", work, 0)?;
         let [band_start, band_end] = band.pixels;
@@ -268,16 +271,9 @@ impl Blender {
 
     fn runs_of<'a>(&'a self, blending: &Blending<'a>, fragments: Slice<'a, [u32; 2]>) -> Runs<'a> {
         let Stored { cut, records, .. } = blending.stored;
-        Runs {
-            composing: Composing::new(blending.job.raster.cloud, cut),
-            cut,
-            work: self.work.all(),
-            runs: self.runs.get().all(),
-            lists: self.lists.get().all(),
-            fragments,
-            records,
-            partials: self.partials.get().all(),
-        }
+        let composing = Composing::new(blending.job.raster.cloud, cut);
+        let sorted = Sorted { composing, work: self.work.all(), runs: self.runs.get().all(), fragments };
+        Runs { cut, sorted, lists: self.lists.get().all(), records, partials: self.partials.get().all() }
     }
 
     /// Records the work lists of the classes, and sorts those whose kernels only blend. Returns what the kernels bind.
@@ -286,15 +282,14 @@ impl Blender {
         recorder: &mut Recorder<'a>,
         blending: &Blending<'a>,
         classes: impl Iterator<Item = (usize, (u32, &'static str))>,
-        target: &'a Target,
     ) -> Result<Resolving<'a>, Error> {
-        let Blending { ref job, stored, ref band, .. } = *blending;
+        let Blending { ref job, stored, ref band, target, .. } = *blending;
         let Stored { cut, offsets, fragments, .. } = stored;
         let composing = Composing::new(job.raster.cloud, cut);
         self.record_classes(recorder, offsets, band)?;
         self.record_sort_lists(recorder, classes, stored, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
-        Ok(Resolving { composing, offsets, classes, pixels, fragments, image: target.image(), depths: target.depths() })
+        Ok(Resolving { composing, offsets, classes, pixels, fragments, into: target.pixels() })
     }
 
     /// Returns how lists of up to `capacity` fragments are sorted on this device.
@@ -307,16 +302,14 @@ impl Blender {
         recorder: &mut Recorder<'a>,
         blending: &Blending<'a>,
         tiles: &OrderedTiles<'a>,
-        target: &'a Target,
     ) -> Result<(), Error> {
-        let Blending { ref job, stored, ref band, lengths } = *blending;
+        let Blending { ref job, stored, ref band, lengths, target, .. } = *blending;
         let cloud = job.raster.cloud;
         let resolve = ResolveOrdered {
             splats: tiles.tiled.splats,
             offsets: stored.offsets,
             indices: stored.fragments.cast(),
-            image: target.image(),
-            depths: target.depths(),
+            into: target.pixels(),
         };
         for segment in 0..lengths.longest.div_ceil(ORDERED_TAKEN) {
             let push = OrderedPush {
@@ -393,10 +386,10 @@ impl Blender {
     ) -> Result<(), Error> {
         let (work, runs) = (self.work.all(), self.runs.get().all());
         if self.shared {
-            let whole = Run::new(Dispatch::Indirect(work.cast().skip(WHOLE_GROUPS).first(3)));
-            return recorder.run(&SortRunsGroup { work, runs, fragments }, (), &whole);
+            return recorder.run(&SortRunsGroup { work, runs, fragments }, (), &over_long(work, WHOLE_GROUPS));
         }
-        recorder.run(&SortRuns { work, runs, fragments }, (), &self.over_runs().variant(sort_runs_variant()))
+        let over_runs = over_long(work, RUN_GROUPS).variant(sort_runs_variant());
+        recorder.run(&SortRuns { work, runs, fragments }, (), &over_runs)
     }
 
     /// Records the work lists of runs and of long lists.
@@ -427,7 +420,7 @@ impl Blender {
         let (mut unmerged, mut merged) = (fragments, spare);
         let mut width = LOCAL_LENGTH;
         while width < longest {
-            recorder.run(&Merge { work, runs, unmerged, merged }, MergePush { width }, &self.over_runs())?;
+            recorder.run(&Merge { work, runs, unmerged, merged }, MergePush { width }, &over_long(work, RUN_GROUPS))?;
             (unmerged, merged) = (merged, unmerged);
             width = width.saturating_mul(2);
         }
@@ -445,7 +438,7 @@ impl Blender {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         self.record_sort_runs(recorder, fragments)?;
         for push in in_place_merges(longest) {
-            recorder.run(&MergeInPlace { work, runs, lists, fragments }, push, &self.over_lists())?;
+            recorder.run(&MergeInPlace { work, runs, lists, fragments }, push, &over_long(work, LIST_GROUPS))?;
         }
         Ok(fragments)
     }
@@ -454,19 +447,11 @@ impl Blender {
     pub(in crate::methods) fn over_class(&self, index: usize) -> Run<'_> {
         Run::new(Dispatch::Indirect(self.classes.all().skip(CLASS_WORDS * index as u64).first(3)))
     }
-
-    pub(super) fn over_runs(&self) -> Run<'_> {
-        Run::new(long_groups(self.work.all(), 0))
-    }
-
-    fn over_lists(&self) -> Run<'_> {
-        Run::new(long_groups(self.work.all(), 4))
-    }
 }
 
 /// Returns the indirect dispatch whose arguments begin at a word of [`LongWork`].
-pub fn long_groups(work: Slice<'_, LongWork>, word: u64) -> Dispatch<'_> {
-    Dispatch::Indirect(work.cast().skip(word).first(3))
+fn over_long(work: Slice<'_, LongWork>, word: u64) -> Run<'_> {
+    Run::new(Dispatch::Indirect(work.cast().skip(word).first(3)))
 }
 
 /// Returns the classes that lists of up to `longest` fragments are in, by their numbers.
@@ -497,13 +482,6 @@ pub(crate) fn composing_variant(compose: Variant, shown: Shown) -> Variant {
 /// The variant of `abuffer/resolve-ordered`.
 fn ordered_variant(cut: Cut, falloff: Falloff, stop: u32) -> Variant {
     compose::variant(cut, Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
-}
-
-/// Pixels and depths of nothing: no color, no coverage, infinitely far.
-pub fn record_nothing<'a>(recorder: &mut Recorder<'a>, target: &'a Target, window: bands::Window) -> Result<(), Error> {
-    let pixels = bands::pixels(window);
-    recorder.fill("image/clear", target.image().first(pixels), 0)?;
-    recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())
 }
 
 /// Constants that shaders share with this module.

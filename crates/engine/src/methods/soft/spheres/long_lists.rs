@@ -3,9 +3,9 @@
 use super::Spheres;
 use super::interior::Kind;
 use super::passes::{BlendRuns, Carry, Samples, Segments, SoftPush, SumRuns};
-use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
+use crate::gpu::{Recorder, Slice, Variant};
 use crate::methods::Error;
-use crate::methods::abuffer::{RunBuffers, RunSums, Runs, long_groups};
+use crate::methods::abuffer::{RunBuffers, RunSums, Runs, Sampled};
 use crate::passes::compose::{self, Cut};
 use crate::scene::Falloff;
 
@@ -16,46 +16,61 @@ pub(super) const SEGMENTS_TAKEN: u32 = 49_152;
 pub(super) fn record<'a>(
     recorder: &mut Recorder<'a>,
     spheres: &Spheres<'a>,
-    sorted: &Runs<'a>,
+    runs: &Runs<'a>,
     buffers: &'a RunBuffers,
     longest: u32,
 ) -> Result<(), Error> {
-    let Runs { composing, cut, work, runs, lists, fragments, records, partials } = *sorted;
+    let Runs { cut, sorted, records, partials, .. } = *runs;
     let (sums, segments) = (buffers.sums.get().all(), buffers.segments.get().all());
-    let arguments = |word| Dispatch::Indirect(work.cast().skip(word).first(3));
-    let variant = run_variant(spheres.kind, cut);
     let push = spheres.push(0, 0, 0.0);
-    let over_runs = || Run::new(arguments(0)).variant(variant.clone());
-    recorder.run(&SumRuns { composing, work, runs, fragments, sums, records }, push, &over_runs())?;
-    recorder.run(&Carry { work, lists, sums }, (), &Run::new(arguments(4)))?;
+    record_sums(recorder, spheres, runs, sums)?;
     if spheres.kind.interior.is_integrated() {
         for first in (0..longest).step_by(SEGMENTS_TAKEN as usize) {
-            let push = SoftPush { first, ..push };
-            let run = Run::new(arguments(8)).variant(segments_variant(spheres.kind, cut));
-            recorder.run(&Segments { composing, work, runs, fragments, segments, records }, push, &run)?;
+            let run = runs.over_whole_runs(segments_variant(spheres.kind, cut));
+            recorder.run(&Segments { sorted, segments, records }, SoftPush { first, ..push }, &run)?;
         }
     }
-    let blend = BlendRuns { composing, work, runs, fragments, sums, segments, partials, records };
-    Ok(recorder.run(&blend, push, &over_runs())?)
+    let blend = BlendRuns { sorted, sums, segments, partials, records };
+    Ok(recorder.run(&blend, push, &runs.over_runs(run_variant(spheres.kind, cut)))?)
 }
 
 /// Records samples of each run of lists of events of concentric shells; `several` if a list has more than one.
 pub(super) fn record_samples<'a>(
     recorder: &mut Recorder<'a>,
     spheres: &Spheres<'a>,
-    sorted: &Runs<'a>,
+    runs: &Runs<'a>,
     (several, sums): (bool, Slice<'a, RunSums>),
-    (sample_colors, sample_depths): (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+    samples: Sampled<'a>,
 ) -> Result<(), Error> {
-    let Runs { composing, cut, work, runs, lists, fragments, records, .. } = *sorted;
-    let push = spheres.push(0, 0, 0.0);
-    let over_runs = || Run::new(long_groups(work, 0)).variant(run_variant(spheres.kind, cut));
     if several {
-        recorder.run(&SumRuns { composing, work, runs, fragments, sums, records }, push, &over_runs())?;
-        recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?;
+        record_sums(recorder, spheres, runs, sums)?;
     }
-    let samples = Samples { composing, work, runs, fragments, sums, sample_colors, sample_depths, records };
-    Ok(recorder.run(&samples, push, &over_runs())?)
+    let samples = Samples { sorted: runs.sorted, sums, samples, records: runs.records };
+    let over_runs = runs.over_runs(run_variant(spheres.kind, runs.cut));
+    Ok(recorder.run(&samples, spheres.push(0, 0, 0.0), &over_runs)?)
+}
+
+/// Records the running sums before each run.
+fn record_sums<'a>(
+    recorder: &mut Recorder<'a>,
+    spheres: &Spheres<'a>,
+    runs: &Runs<'a>,
+    sums: Slice<'a, RunSums>,
+) -> Result<(), Error> {
+    let over_runs = runs.over_runs(run_variant(spheres.kind, runs.cut));
+    let sum = SumRuns { sorted: runs.sorted, sums, records: runs.records };
+    recorder.run(&sum, spheres.push(0, 0, 0.0), &over_runs)?;
+    record_carry(recorder, runs, sums)
+}
+
+/// Records the running sums before each run, from what each run adds.
+pub(in crate::methods) fn record_carry<'a>(
+    recorder: &mut Recorder<'a>,
+    runs: &Runs<'a>,
+    sums: Slice<'a, RunSums>,
+) -> Result<(), Error> {
+    let carry = Carry { work: runs.sorted.work, lists: runs.lists, sums };
+    Ok(recorder.run(&carry, (), &runs.over_lists(Variant::plain()))?)
 }
 
 /// Returns the variant of the passes over runs of long lists.

@@ -16,23 +16,23 @@ mod long_lists;
 mod passes;
 
 pub use interior::{Interior, Kind};
+pub(in crate::methods) use long_lists::record_carry;
 pub use passes::*;
 
 use self::interior::MODEL_BASE;
 use self::long_lists::{run_variant, segments_variant};
-use super::{Layer, SoftModel};
+use super::SoftModel;
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
 use crate::methods::abuffer::{
-    self, Blender, Blending, Bodies, LOCAL_LENGTH, Needs, Room, Sorting, StoreFragments, occurring,
+    self, Blending, Bodies, Counting, LOCAL_LENGTH, Needs, Sampled, Sorting, StoreFragments, Storing, occurring,
 };
-use crate::methods::sorted::STOPS;
-use crate::methods::{Error, Target, splats};
+use crate::methods::{Error, Layer, Target, splats};
 use crate::passes::bands::Band;
-use crate::passes::compose::Cut;
+use crate::passes::compose::{Cut, STOPS};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{self, Chunk, Raster};
+use crate::passes::raster::{self, Chunk};
 use crate::passes::tiles::SEGMENT;
 use crate::scene::{MAX_SHELLS, Method};
 
@@ -120,29 +120,18 @@ impl StoreFragments for Spheres<'_> {
         fragments
     }
 
-    fn record_count<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        counts: Slice<'a, u32>,
-        spheres: Slice<'a, u32>,
-    ) -> Result<(), Error> {
+    fn record_count<'a>(&'a self, recorder: &mut Recorder<'a>, counting: Counting<'a>) -> Result<(), Error> {
+        let Counting { raster, counts, bodies: spheres } = counting;
         raster.record_tiles(recorder)?;
         let whole = Band::whole(raster.window, 0);
         let solids = self.solids(counts);
         let stage = |chunk: Chunk<'a>| Count { chunk, solids, counts, spheres };
         let with = |variant| count_variant(variant, self.kind.interior, self.layer.is_some());
-        Ok(raster.record_variant(recorder, &whole, stage, SEGMENT, with)?)
+        Ok(raster.record_with(recorder, (&whole, SEGMENT), stage, None, with)?)
     }
 
-    fn record_store<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        raster: &Raster<'a>,
-        band: &Band,
-        room: &'a Room,
-        _longest: u32,
-    ) -> Result<(), Error> {
+    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error> {
+        let Storing { raster, band, room, .. } = storing;
         let (cursors, fragments) = (room.counts.get().all(), room.fragments.get().all());
         let (solids, records) = (self.solids(cursors), room.records.get().all());
         let stage = |chunk: Chunk<'a>| {
@@ -150,20 +139,15 @@ impl StoreFragments for Spheres<'_> {
             Store { chunk, solids, cursors, fragments, colors, records }
         };
         let with = |variant| store_variant(variant, self.kind.interior, self.layer.is_some());
-        Ok(raster.record_variant(recorder, band, stage, self.kind.interior.segment(), with)?)
+        Ok(raster.record_with(recorder, (&band, self.kind.interior.segment()), stage, None, with)?)
     }
 
-    fn record_blend<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
-        blending: &Blending<'a>,
-        target: &'a Target,
-    ) -> Result<(), Error> {
+    fn record_blend<'a>(&'a self, recorder: &mut Recorder<'a>, blending: &Blending<'a>) -> Result<(), Error> {
+        let Blending { blender, target, .. } = *blending;
         let (longest, stop, records) = (blending.lengths.longest, blending.job.stop, blending.stored.records);
         // There is no list of one event.
         let present = || occurring(classes(), longest);
-        let lists = blender.record_sorted_classes(recorder, blending, present(), target)?;
+        let lists = blender.record_sorted_classes(recorder, blending, present())?;
         for (index, (capacity, name)) in present() {
             let push = self.push(index as u32, blending.band.first_fragment, stop.1);
             let sorting = blender.sorting(capacity);
@@ -183,14 +167,14 @@ impl StoreFragments for Spheres<'_> {
     fn record_samples<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        blender: &'a Blender,
         blending: &Blending<'a>,
         _bodies: bool,
-        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+        samples: Sampled<'a>,
     ) -> Result<(), Error> {
+        let blender = blending.blender;
         let sorted = blender.record_every_list(recorder, blending)?;
         let sums = (blending.lengths.longest > LOCAL_LENGTH, blender.long().sums.get().all());
-        long_lists::record_samples(recorder, self, &sorted, sums, to)
+        long_lists::record_samples(recorder, self, &sorted, sums, samples)
     }
 
     /// Solid points are behind all soft ones of their pixels.
@@ -216,8 +200,7 @@ pub fn record_compose<'a>(
     pixels: u64,
     origin: f32,
 ) -> Result<(), Error> {
-    let (image, depths) = (target.image(), target.depths());
-    let compose = Compose { solid_image: layer.image(), solid_depths: layer.depths(), image, depths };
+    let compose = Compose { solid_image: layer.image(), solid_depths: layer.depths(), into: target.pixels() };
     let push = ComposePush { count: pixels as u32, origin };
     Ok(recorder.run(&compose, push, &Run::new(Dispatch::Invocations(pixels)))?)
 }

@@ -1,20 +1,27 @@
 //! The passes.
 
-use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial, ResolvingGroup, RunSums};
-use crate::passes::compose::ComposingGroup;
+use crate::methods::PixelsGroup;
+use crate::methods::abuffer::{LongList, LongWork, Partial, ResolvingGroup, RunSums, SampledGroup, SortedGroup};
 use crate::passes::raster::{ChunkGroup, RasterPush};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of the kernels that blend; shaders/shared/soft_push.wgsl explains the members.
+    /// Push constants of the kernels that blend.
     pub struct SoftPush {
-        class_index: u32,
+        class_index: u32, // A class of list lengths, and the band's first fragment among the window's.
         first_fragment: u32,
-        max_color: f32,
-        lambda: f32,
+        max_color: f32, // Largest color component, background included.
+        lambda: f32, // λ, and the opacity that stands for it in Eq. 22.
         peak: f32,
+        // For long lists: largest radius, and the first of the events of each list that a dispatch looks at.
         max_radius: f32,
         first: u32,
+    }
+
+    /// Push constants: pixels, and the depth that those of solid points are relative to.
+    pub struct ComposePush {
+        count: u32,
+        origin: f32, // The depth that those of solid points are relative to.
     }
 }
 
@@ -29,9 +36,7 @@ pass! {
         counts: ReadWrite<u32>,
         spheres: ReadWrite<u32>,
     }
-}
 
-pass! {
     /// Stores the depth key and index of each event in a slot of its pixel's range.
     pub Store(RasterPush) = "soft/store" {
         chunk: Shared<ChunkGroup>,
@@ -41,111 +46,63 @@ pass! {
         colors: Read<[f32; 4]>,
         records: ReadWrite<[u32; 4]>,
     }
-}
 
-pass! {
     /// Sorts the events of each list of a class and blends the segments between them: up to 16 in registers, more in an
     /// array of the invocation's own; where the device prefers shared work, up to 32 in registers and more in the
     /// memory of a workgroup. Its label ends with the longest length of the class.
-    pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network" {
-        lists: Shared<ResolvingGroup>,
-        records: Read<[u32; 4]>,
-    }
-}
-
-pass! {
+    pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network",
     /// Sorts the events of each list of a class of up to 256 in a local array, and blends the segments between them.
-    pub ResolveMerge(SoftPush) = "soft/resolve" in "soft/resolve_merge" {
-        lists: Shared<ResolvingGroup>,
-        records: Read<[u32; 4]>,
-    }
-}
-
-pass! {
+    pub ResolveMerge(SoftPush) = "soft/resolve" in "soft/resolve_merge",
     /// Blends the segments between the events of each list of a class of up to 256, which are sorted.
     pub ResolveSorted(SoftPush) = "soft/resolve" in "soft/resolve_sorted" {
         lists: Shared<ResolvingGroup>,
         records: Read<[u32; 4]>,
     }
-}
 
-pass! {
     /// Sums what the events of each run of a sorted long list add to the running sums of color and density.
     pub SumRuns(SoftPush) = "soft/sum-runs" in "soft/sum_runs" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<SortedGroup>,
         sums: ReadWrite<RunSums>,
         records: Read<[u32; 4]>,
     }
-}
 
-pass! {
     /// Finds the running sums before each run of each long list.
     pub Carry = "soft/carry" {
         work: ReadWrite<LongWork>,
         lists: Read<LongList>,
         sums: ReadWrite<RunSums>,
     }
-}
 
-pass! {
     /// Integrates the optical depth of each segment of a run from all spheres that may reach it (`soft-base`): one
     /// workgroup per run, four segments per invocation. A dispatch takes 49 152 events of each list.
     pub Segments(SoftPush) = "soft/segments" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<SortedGroup>,
         segments: ReadWrite<f32>,
         records: Read<[u32; 4]>,
     }
-}
 
-pass! {
     /// Composes the segments of each run.
     pub BlendRuns(SoftPush) = "soft/blend-runs" in "soft/blend_runs" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<SortedGroup>,
         sums: Read<RunSums>,
         segments: Read<f32>,
         partials: ReadWrite<Partial>,
         records: Read<[u32; 4]>,
     }
-}
 
-pass! {
     /// Writes the pieces of the ray between the events of each run of a sorted list of concentric shells, for a deep
     /// EXR.
     pub Samples(SoftPush) = "soft/samples" {
-        composing: Shared<ComposingGroup>,
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        fragments: Read<[u32; 2]>,
+        sorted: Shared<SortedGroup>,
         sums: Read<RunSums>,
-        sample_colors: ReadWrite<[f32; 4]>,
-        sample_depths: ReadWrite<[f32; 2]>,
+        samples: Shared<SampledGroup>,
         records: Read<[u32; 4]>,
     }
-}
 
-gpu_struct! {
-    /// Push constants: pixels, and the depth that those of solid points are relative to.
-    pub struct ComposePush {
-        count: u32,
-        origin: f32,
-    }
-}
-
-pass! {
     /// Composes the soft points over the solid ones in each pixel.
     pub Compose(ComposePush) = "soft/compose" {
         solid_image: Read<[f32; 4]>,
         solid_depths: Read<f32>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        into: Shared<PixelsGroup>,
     }
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{Column, DeviceCloud};
-use crate::cloud::shadow_texture::Casting;
+use crate::cloud::shadow_texture::{Casting, ShadowTexture};
 use crate::gpu::{Buffer, Device, Error, Memory};
-use crate::points::Points;
+use crate::prepare::Arranged;
 
 /// Light's view of all points of a cloud whose points come some at a time.
 pub struct LightImages {
@@ -62,21 +62,25 @@ impl DeviceCloud {
         self.casting = Some(casting);
     }
 
-    /// Puts shares of light there that were found before, in the order of the points that were uploaded.
-    pub fn put_lit(
-        &mut self,
-        device: &Device,
-        points: &Points,
-        casting: Casting,
-        lit: impl Fn(usize) -> f32 + Sync,
-    ) -> Result<(), Error> {
+    /// Puts shares of light there that were stored with the points, in the order of their files. Points that were
+    /// dealt, or come some at a time, take none.
+    ///
+    /// # Errors
+    /// No memory for them.
+    pub fn put_lit(&mut self, device: &Device, arranged: &Arranged, texture: &ShadowTexture) -> Result<(), Error> {
+        let Arranged::Canonical(points) = arranged else { return Ok(()) };
+        if self.supplied.is_some() {
+            return Ok(());
+        }
         self.reserve_shares(device)?;
         self.normals.upload_by(self.len, |range, to| {
             let first = range.start;
+            let place = |i: usize| points.file_order.get(i).map_or(i, |place| *place as usize);
+            let lit = |i: usize| texture.lit.get(place(i)).copied().unwrap_or(1.0);
             let column = Column::Normal.values(points, self.origin, range).zip(to).enumerate();
             column.for_each(|(i, ([x, y, z, _], to))| *to = [x, y, z, lit(first + i)]);
         })?;
-        self.set_casting(casting);
+        self.set_casting(texture.casting);
         Ok(())
     }
 

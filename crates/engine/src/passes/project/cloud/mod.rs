@@ -7,13 +7,14 @@ mod gaussians;
 mod lit;
 mod placed;
 mod supplied;
+mod view;
 
-pub(super) use column::split;
 pub use column::{COLUMN_BYTES, Column};
 pub use gaussians::GaussianColumns;
 pub use lit::LightImages;
 pub use placed::Placed;
 pub use supplied::{CutFor, Present};
+pub use view::View;
 
 use std::sync::Arc;
 
@@ -23,7 +24,6 @@ use rayon::prelude::*;
 use self::dealt::List;
 use self::supplied::Supplied;
 use super::part::{Parts, fields_and_radii};
-use super::view::View;
 use super::{Bounds, Footprint, Projecting, Splat, Stats, Tilt};
 use crate::cloud::Bounds as Box3;
 use crate::cloud::shadow_texture::Casting;

@@ -8,7 +8,7 @@ use glam::Vec3;
 use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::LinearImage;
-use pellucid_engine::methods::{self, Frame, Renderer};
+use pellucid_engine::methods::{self, Frame, Renderer, Upload};
 use pellucid_engine::metrics::{self, difference_picture};
 use pellucid_engine::output::{linear, write_rgb_png};
 use pellucid_engine::passes::project::DeviceCloud;
@@ -127,7 +127,7 @@ impl Studio<'_> {
         let points = with_degree(self.effort.arranged.points(), degree);
         let frame = Frame { method: self.exact(settings), ..*self.effort.frame };
         let arranged = Arranged::Canonical(Arc::new(points));
-        let mut cloud = self.renderer.upload_for(&frame.detail, &arranged, None)?;
+        let mut cloud = self.renderer.upload(Upload::with_detail(&arranged, &frame.detail))?;
         self.timed(&mut cloud, &frame)
     }
 

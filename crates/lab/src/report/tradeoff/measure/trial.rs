@@ -191,7 +191,7 @@ impl Run<'_> {
         match self.subject.arranged {
             Arranged::Dealt(dealt) => {
                 let frame = self.frame_of(setting, image);
-                let mut cloud = renderer.upload_dealt(&dealt.again(frame.seed))?;
+                let mut cloud = renderer.upload(&Arranged::Dealt(dealt.again(frame.seed)))?;
                 renderer.render(&mut cloud, &frame)
             }
             Arranged::Canonical(_) | Arranged::Supplied(_) => self.render(renderer, setting, image),

@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 
-use pellucid_engine::methods::{Error, Renderer};
+use pellucid_engine::methods::{Error, Renderer, Upload};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
@@ -62,7 +62,7 @@ impl<'a> Clouds<'a> {
             self.on_device = None;
             let cloud = match self.thinned.get(&thinning) {
                 Some(points) => renderer.upload(points)?,
-                None => renderer.upload_for(detail, self.arranged, None)?,
+                None => renderer.upload(Upload::with_detail(self.arranged, detail))?,
             };
             self.on_device = Some((thinning, *detail, cloud));
         }

@@ -151,11 +151,7 @@ mod tests {
             height,
             rgba: pixels().map(|(x, y)| [alpha(x, y); 4]).collect(),
             depth: pixels().map(|(x, y)| if alpha(x, y) > 0.0 { 1.0 } else { f32::INFINITY }).collect(),
-            depth_median: None,
-            depth_mean: None,
-            fragments: None,
-            layers: None,
-            stderr: None,
+            ..Image::default()
         }
     }
 

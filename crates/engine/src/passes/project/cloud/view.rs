@@ -2,15 +2,15 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Projecting;
-use super::cloud::{DeviceCloud, split};
+use super::column::split;
+use super::{DeviceCloud, Projecting};
 use crate::camera::{Camera, Projection};
 use crate::gpu::{Recorder, Slice};
 use crate::gpu_struct;
 use crate::scene::{DiscShape, GaussianSettings, Light};
 
 gpu_struct! {
-    /// The camera and the part of the image in work; shaders/shared/view.wgsl explains the members.
+    /// The camera and the part of the image in work.
     pub struct View {
         right: [f32; 4],
         right_lo: [f32; 4],
