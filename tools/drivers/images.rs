@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 use pellucid_engine::methods::{Facts, Renderer};
+use pellucid_gpu::{Device, DeviceOptions};
 use pellucid_lab::check::{self, Lack, Subject};
 use serde_json::{Value, json};
 

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 use pellucid_lab::check::Subject;
 
 use crate::bound;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use pellucid_engine::gpu::{Compiled, Device, DeviceOptions};
+use pellucid_gpu::{Compiled, Device, DeviceOptions};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -140,7 +140,7 @@ pub fn child(list: &Path) -> Result<(), String> {
 /// The worst of the stages.
 fn shape(compiled: &Compiled) -> Shape {
     let values = |name: &'static str| {
-        let of = move |e: &pellucid_engine::gpu::Executable| {
+        let of = move |e: &pellucid_gpu::Executable| {
             e.statistics.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, value)| *value)
         };
         compiled.executables.iter().filter_map(of)
@@ -167,7 +167,7 @@ fn shape(compiled: &Compiled) -> Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::gpu::Executable;
+    use pellucid_gpu::Executable;
 
     #[test]
     fn a_shape_is_the_worst_of_the_stages() {

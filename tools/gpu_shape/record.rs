@@ -1,12 +1,13 @@
 //! The pipelines that frames create, each as its pass and the place of its variant in the pass's list.
 
-use pellucid_engine::gpu::shader::Shader;
-use pellucid_engine::gpu::{Blend, Device, DeviceOptions, Format, Made, Outputs, Preferences, Variant};
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, FrameProfile, Renderer};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Method, Overrides, Scene, procedural};
-use pellucid_engine::{NUMBERS, gpu, key_without_numbers, plan};
+use pellucid_engine::{NUMBERS, key_without_numbers, plan};
+use pellucid_gpu as gpu;
+use pellucid_gpu::shader::Shader;
+use pellucid_gpu::{Blend, Device, DeviceOptions, Format, Made, Outputs, Preferences, Variant};
 use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_scene::{self as scene, Method, Overrides, Scene, procedural};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -180,7 +181,7 @@ fn all_outputs() -> Vec<Outputs> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::gpu::shader::SUBGROUPS;
+    use pellucid_gpu::shader::SUBGROUPS;
 
     #[test]
     fn every_pass_lists_its_variants_in_one_order_for_all_sizes_of_subgroups() {

@@ -17,11 +17,11 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::scene::{ImageSpace, Method, PeelLayers, Shadows};
+use pellucid_gpu::{Device, DeviceOptions};
 use pellucid_lab::report::stress::Spread;
+use pellucid_scene::{ImageSpace, Method, PeelLayers, Shadows};
 
 use scenes::Subject;
 use table::{Fit, Line};

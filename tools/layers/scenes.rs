@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use pellucid_engine::camera::Camera;
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::procedural::{self, Generated, iso};
-use pellucid_engine::scene::{self, Light, Overrides, Scene, Shading, ShadingModel};
-use pellucid_engine::{Result, io};
+use pellucid_core::camera::Camera;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
+use pellucid_engine::Result;
+use pellucid_io as io;
+use pellucid_scene::procedural::{self, Generated, iso};
+use pellucid_scene::{self as scene, Light, Overrides, Scene, Shading, ShadingModel};
 
 use crate::table::COLUMNS;
 

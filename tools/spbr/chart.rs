@@ -30,7 +30,7 @@ pub fn figure(folder: &Path, name: &str, x: Axis, y: Axis, panels: &[(String, Ve
     let names = vec!["measured".into(), "expected".into()];
     let (columns, panels) = (panels.len(), panels.iter().map(panel).collect());
     let figure = Figure { panel: PANEL, columns, ..Figure::in_rows(PANEL[1], names, x, y, panels) };
-    let svg = figure.svg().map_err(|error| pellucid_engine::output::Error::Report { reason: error.to_string() })?;
+    let svg = figure.svg().map_err(|error| pellucid_io::output::Error::Report { reason: error.to_string() })?;
     super::write(folder, &format!("{name}.svg"), &svg)
 }
 

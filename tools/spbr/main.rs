@@ -63,7 +63,7 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> Result<()> {
     let mut stage = Stage::open(args.seed)?;
     println!("{}, scale {}", stage.machine(), args.scale);
-    let failed = |source| pellucid_engine::output::Error::Write { path: args.output.clone(), source };
+    let failed = |source| pellucid_io::output::Error::Write { path: args.output.clone(), source };
     std::fs::create_dir_all(&args.output).map_err(failed)?;
     type Experiment = fn(&mut Stage, f64, &Path) -> Result<()>;
     let experiments: [(&str, Experiment); 3] =
@@ -81,5 +81,5 @@ fn run(args: &Args) -> Result<()> {
 /// Writes a file of the report.
 fn write(folder: &Path, name: &str, text: &str) -> Result<()> {
     let path = folder.join(name);
-    Ok(std::fs::write(&path, text).map_err(|source| pellucid_engine::output::Error::Write { path, source })?)
+    Ok(std::fs::write(&path, text).map_err(|source| pellucid_io::output::Error::Write { path, source })?)
 }

@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::image::Image;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Brightness, Method, SpbrSimplified};
+use pellucid_scene::{Brightness, Method, SpbrSimplified};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 

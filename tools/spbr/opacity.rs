@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pellucid_engine::Result;
-use pellucid_engine::scene::{Method, Spbr};
+use pellucid_scene::{Method, Spbr};
 
 use super::chart::{self, Axis, Row};
 use super::stage::{Stage, plane};

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::points::Points;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Brightness, Method, Scene, SpbrSimplified, procedural};
+use pellucid_scene::{self as scene, Brightness, Method, Scene, SpbrSimplified, procedural};
 use rand::RngExt;
 
 use super::chart::{self, Axis, Row};
@@ -26,7 +26,7 @@ const ENSEMBLES: [u32; 13] = [1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 75, 100, 150];
 pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
     let side = (SIDE * scale).round() as u32;
     let (points, is_stray) = garden((POINTS * scale * scale).round(), stage.seed)?;
-    let bounds = points.bounds().unwrap_or(pellucid_engine::cloud::Bounds { min: DVec3::ZERO, max: DVec3::ONE });
+    let bounds = points.bounds().unwrap_or(pellucid_core::cloud::Bounds { min: DVec3::ZERO, max: DVec3::ONE });
     let (center, diagonal) = (bounds.center(), bounds.diagonal());
     let projection = Projection::Orthographic { height: 0.8 * diagonal };
     let eye = center + diagonal * DVec3::new(0.4, -0.7, 0.35);

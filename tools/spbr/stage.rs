@@ -1,16 +1,16 @@
 //! A device, clouds on it, and images of a square seen from the front.
 
 use glam::{DVec3, Vec3};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Factors, Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{Arranged, ensembles};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{ColorSpace, Method, Shading};
+use pellucid_gpu::{Device, DeviceOptions};
+use pellucid_scene::prepare::{Arranged, ensembles};
+use pellucid_scene::{ColorSpace, Method, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -25,7 +25,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::builder::PossibleValuesParser;
-use pellucid_engine::output::Error;
+use pellucid_io::output::Error;
 
 /// Folder of this project's measurements, from its root.
 const MEASURED: &str = "tools/study/measured";

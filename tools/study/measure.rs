@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use pellucid_engine::gpu::{self, DeviceOptions};
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::Renderer;
-use pellucid_engine::progress::Progress;
 use pellucid_engine::{Error, Result};
+use pellucid_gpu::{self as gpu, DeviceOptions};
 use pellucid_lab::report::tradeoff::method_by_method;
 use pellucid_session::candidates::{Ladders, Setting, settings};
 use pellucid_session::choice::{EXACT, Measured, Subject, Trials};
@@ -168,8 +168,8 @@ impl Ladder {
 
 #[cfg(test)]
 mod tests {
-    use pellucid_engine::points::Points;
-    use pellucid_engine::scene::Discs;
+    use pellucid_core::points::Points;
+    use pellucid_scene::Discs;
     use pellucid_session::candidates::{Formation, Occasion, settings};
 
     use super::*;

@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use pellucid_engine::output::Error;
+use pellucid_io::output::Error;
 use serde::{Deserialize, Serialize};
 
 /// The device, and how it was measured.

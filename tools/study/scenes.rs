@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Overrides, Scene, procedural};
+use pellucid_gpu::Device;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{self as scene, Overrides, Scene, procedural};
 use pellucid_session::candidates;
 use pellucid_session::choice::Lists;
 use rand::SeedableRng;

@@ -6,7 +6,7 @@
 /// fields! {
 ///     /// Buffers, kept from frame to frame.
 ///     pub struct Splatter {
-///         limits: Kept<f32> = Kept::new("limits of depth", Memory::Device),
+///         limits: Scratch<f32> = Scratch::new("limits of depth", Memory::Device),
 ///     }
 /// }
 /// ```

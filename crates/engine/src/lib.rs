@@ -2,26 +2,27 @@
 //!
 //! The road from file to image, one module per step:
 //!
-//! 1. [`io`] reads a file into a [`cloud::Cloud`]: float64 positions and named columns.
-//! 2. [`scene`] reads a scene file, applies its settings to the clouds, which gives [`points::Points`] in canonical
-//!    order (radii, fields and order come from [`prepare`]), and finds the [`camera::Camera`] if none was given.
+//! 1. [`pellucid_io`] reads a file into a [`pellucid_core::cloud::Cloud`]: float64 positions and named columns.
+//! 2. [`pellucid_scene`] reads a scene file, applies its settings to the clouds, which gives
+//!    [`pellucid_core::points::Points`] in canonical order (radii, fields and order come from
+//!    [`pellucid_scene::prepare`]), and finds the [`pellucid_core::camera::Camera`] if none was given.
 //! 3. [`plan`] decides what `auto` stands for, and says which passes a frame has and why.
 //! 4. [`methods::Renderer`] uploads the points and renders a [`methods::Frame`]: windows and bands of the image through
-//!    the stages in [`passes`] and [`methods`], all of it by way of [`gpu`].
-//! 5. The result is an [`image::Image`], which [`output`] writes as PNG or EXR and [`metrics`] compares, and times,
-//!    which [`profile`] turns into JSON and traces.
+//!    the stages in [`passes`] and [`methods`], all of it by way of [`pellucid_gpu`].
+//! 5. The result is a [`pellucid_core::image::Image`], which [`pellucid_io::output`] writes as PNG or EXR and
+//!    [`pellucid_core::metrics`] compares, and times, which [`profile`] turns into JSON and traces.
 //!
-//! In addition to this road [`reference`](mod@reference) computes the same images in float64, without a device: what
+//! In addition to this road the crate `pellucid-reference` computes the same images in float64, without a device: what
 //! the tests trust. ARCHITECTURE.md in the repository tells the same at more length.
 //!
 //! # Example
 //!
 //! ```
-//! use pellucid_engine::gpu::{Device, DeviceOptions};
+//! use pellucid_gpu::{Device, DeviceOptions};
 //! use pellucid_engine::methods::{Frame, Renderer};
 //! use pellucid_engine::plan;
-//! use pellucid_engine::progress::Progress;
-//! use pellucid_engine::scene::{self, Scene, procedural};
+//! use pellucid_core::progress::Progress;
+//! use pellucid_scene::{self as scene, Scene, procedural};
 //!
 //! # fn main() -> pellucid_engine::Result<()> {
 //! // Three layers of opacity 0.05 over the whole image, built in; `Scene::read` and `scene::load_clouds` take files.
@@ -69,14 +70,15 @@ mod shaders;
 
 pub use error::{Error, Result};
 pub(crate) use fields::fields;
-pub use pellucid_core::{atomic, camera, cloud, color, image, light, metrics, points, progress, random};
+// The modules of the layers below, as this crate names them.
+pub(crate) use pellucid_core::{camera, cloud, color, image, points, progress, random};
+#[doc(hidden)]
 pub use pellucid_gpu as gpu;
-pub use pellucid_gpu::{gpu_struct, group};
-pub use pellucid_io as io;
-pub use pellucid_io::output;
-pub use pellucid_reference as reference;
-pub use pellucid_scene as scene;
-pub use pellucid_scene::{prepare, supply};
+pub(crate) use pellucid_gpu::{gpu_struct, group};
+pub(crate) use pellucid_io as io;
+pub(crate) use pellucid_io::output;
+pub(crate) use pellucid_scene as scene;
+pub(crate) use pellucid_scene::{prepare, supply};
 pub use shaders::{NUMBERS, SHADERS, key_without_numbers, shaders};
 
 /// Declares a pass whose shader is one of [`SHADERS`]; see [`gpu::pass!`].

@@ -203,14 +203,14 @@ impl Drop for Attachment {
 }
 
 /// An attachment that is kept from frame to frame while it is large enough.
-pub struct KeptAttachment {
+pub struct ScratchAttachment {
     name: &'static str,
     format: Format,
     samples: u32,
     image: Option<Attachment>,
 }
 
-impl KeptAttachment {
+impl ScratchAttachment {
     /// Not allocated yet.
     pub fn new(name: &'static str, format: Format, samples: u32) -> Self {
         Self { name, format, samples, image: None }

@@ -16,13 +16,13 @@ mod common;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Overrides, Scene, procedural};
+use pellucid_gpu::{Device, DeviceOptions};
 use pellucid_lab::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{self as scene, Overrides, Scene, procedural};
 use pellucid_session::candidates::Ladders;
 use pellucid_session::choice::{self, Choice, Wish};
 
@@ -83,7 +83,7 @@ fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
         command: String::new(),
     };
     let folder = tempfile::tempdir()
-        .map_err(|source| pellucid_engine::output::Error::Write { path: std::env::temp_dir(), source })?;
+        .map_err(|source| pellucid_io::output::Error::Write { path: std::env::temp_dir(), source })?;
     tradeoff::run(device, subject, &options, folder.path(), &Progress::hidden())
 }
 

@@ -21,23 +21,23 @@ use std::process::{Command, ExitCode};
 
 use comfy_table::{CellAlignment, Table, presets};
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::gpu::{Buffer, Device, DeviceOptions, Memory};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
 use pellucid_engine::profile::{self, Profile};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{
-    self, ColorSpace, Discs, Method, Overrides, Raster, Scene, ScreenSplats, Shading, procedural,
-};
 use pellucid_engine::{Result, plan};
+use pellucid_gpu::{Buffer, Device, DeviceOptions, Memory};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{
+    self as scene, ColorSpace, Discs, Method, Overrides, Raster, Scene, ScreenSplats, Shading, procedural,
+};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

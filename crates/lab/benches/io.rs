@@ -7,9 +7,9 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::io;
-use pellucid_engine::progress::Progress;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::Progress;
+use pellucid_io as io;
 
 fn bench_file(criterion: &mut Criterion, name: &str, path: &Path) {
     let points = io::load(path, &Progress::hidden()).expect("the file loads").len() as u64;

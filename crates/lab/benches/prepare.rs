@@ -8,9 +8,9 @@ use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{order, radius, surface};
-use pellucid_engine::progress::Progress;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
+use pellucid_scene::prepare::{order, radius, surface};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

@@ -20,19 +20,19 @@ use std::sync::Arc;
 
 use comfy_table::{CellAlignment, Table, presets};
 use glam::{DVec3, Vec3};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::ensembles::{Dealt, Surface};
-use pellucid_engine::scene::{ColorSpace, Method, Shading, Spbr, SpbrSimplified};
+use pellucid_gpu::{Buffer, Device, DeviceOptions, Memory};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::{ColorSpace, Method, Shading, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

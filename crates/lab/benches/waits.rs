@@ -17,13 +17,13 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use comfy_table::{CellAlignment, Table, presets};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
 use pellucid_engine::profile::median;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Method, Overrides, Scene, procedural};
+use pellucid_gpu::{Device, DeviceOptions};
+use pellucid_scene::{self as scene, Method, Overrides, Scene, procedural};
 
 /// Layers of the scene `volume`, and sides of the image.
 const SIZES: [(f64, u32); 2] = [(2.0, 96), (8.0, 384)];

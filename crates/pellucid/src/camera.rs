@@ -1,7 +1,7 @@
 //! Camera of a picture.
 
 use glam::DVec3;
-use pellucid_engine::scene::CameraSettings;
+use pellucid_scene::CameraSettings;
 
 /// Camera in world units. The world is right-handed, and +Y of the camera points to the top of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]

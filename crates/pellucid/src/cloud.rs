@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::{Cloud as Columns, UpAxis};
+use pellucid_core::cloud::{Cloud as Columns, UpAxis};
 
 use crate::{Error, Result};
 

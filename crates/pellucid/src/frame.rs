@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use pellucid_engine::methods::Stop;
-use pellucid_engine::scene::camera_at;
+use pellucid_scene::camera_at;
 use pellucid_session::FrameRequest;
 
 use crate::error::of_engine;

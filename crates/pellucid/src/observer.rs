@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::sync::Arc;
 
-use pellucid_engine::progress::{Observer as EngineObserver, Progress};
+use pellucid_core::progress::{Observer as EngineObserver, Progress};
 use pellucid_session::Messages;
 
 /// Watches work: hears of its progress and of what does not come out as requested, and may cancel it.

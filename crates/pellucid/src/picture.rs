@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use pellucid_engine::color::encode_srgb;
-use pellucid_engine::image::Image;
-use pellucid_engine::output::{WriteOptions, linear, png_bytes, to_byte, write_image};
+use pellucid_core::color::encode_srgb;
+use pellucid_core::image::Image;
+use pellucid_io::output::{WriteOptions, linear, png_bytes, to_byte, write_image};
 
 use crate::error::of_engine;
 use crate::{Error, Profile, Result};

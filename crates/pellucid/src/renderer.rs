@@ -1,6 +1,6 @@
 //! Device, and scenes on it.
 
-use pellucid_engine::gpu::{self, Device, DeviceOptions};
+use pellucid_gpu::{self as gpu, Device, DeviceOptions};
 use pellucid_session::{Prepared, Session};
 
 use crate::error::of_engine;

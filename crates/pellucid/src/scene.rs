@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use pellucid_engine::io;
-use pellucid_engine::scene::{self as engine, Document, Input, Named, Overrides};
+use pellucid_io as io;
+use pellucid_scene::{self as engine, Document, Input, Named, Overrides};
 use pellucid_session::{Limits, Request, Residence, SeeThrough, SeeThroughBy};
 
 use crate::error::of_engine;

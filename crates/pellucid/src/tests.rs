@@ -55,7 +55,7 @@ fn a_camera_follows_a_path() {
 #[test]
 fn the_methods_are_those_of_a_scene_file() {
     let mut names: Vec<_> = crate::Method::ALL.iter().map(|method| method.name()).collect();
-    let mut known = pellucid_engine::scene::METHODS.to_vec();
+    let mut known = pellucid_scene::METHODS.to_vec();
     names.sort_unstable();
     known.sort_unstable();
     assert_eq!(names, known);

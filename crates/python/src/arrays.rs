@@ -6,8 +6,8 @@
 
 use glam::{DVec3, Vec3};
 use numpy::{Element, PyArray1, PyReadonlyArray1};
-use pellucid_engine::color::decode_srgb;
-use pellucid_engine::io::unit_or_zero;
+use pellucid_core::color::decode_srgb;
+use pellucid_io::unit_or_zero;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::PyArray1;
-use pellucid_engine::cloud::{Cloud as Columns, UpAxis};
-use pellucid_engine::io;
+use pellucid_core::cloud::{Cloud as Columns, UpAxis};
+use pellucid_io as io;
 use pellucid_session::describe_cloud;
 use pyo3::prelude::*;
 

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use numpy::PyArray1;
-use pellucid_engine::image::LinearImage;
-use pellucid_engine::metrics;
-use pellucid_engine::output::read_image;
+use pellucid_core::image::LinearImage;
+use pellucid_core::metrics;
+use pellucid_io::output::read_image;
 use pyo3::prelude::*;
 use serde_json::json;
 

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use pellucid_engine::gpu::{self, DeviceOptions};
 use pellucid_engine::methods;
+use pellucid_gpu::{self as gpu, DeviceOptions};
 use pyo3::prelude::*;
 
 use crate::failure::Failure;

@@ -55,8 +55,8 @@ impl From<Failure> for PyErr {
 }
 
 /// Returns advice where there is no driver, or none that will do.
-fn install(error: &pellucid_engine::gpu::Error) -> &'static str {
-    use pellucid_engine::gpu::Error as Gpu;
+fn install(error: &pellucid_gpu::Error) -> &'static str {
+    use pellucid_gpu::Error as Gpu;
     match error {
         Gpu::NoLoader(_) | Gpu::NoDevice | Gpu::Lacks { .. } => VULKAN,
         _ => "",

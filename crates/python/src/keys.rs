@@ -1,7 +1,7 @@
 //! Keys of a scene file, from the table that the readers of scenes have.
 
-use pellucid_engine::color::classes;
-use pellucid_engine::scene::{self, Key, METHODS, Method, MethodChoice};
+use pellucid_core::color::classes;
+use pellucid_scene::{self as scene, Key, METHODS, Method, MethodChoice};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 

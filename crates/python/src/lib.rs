@@ -23,7 +23,7 @@ mod talk;
 mod threads;
 mod work;
 
-use pellucid_engine::io::silence_decoder_panics;
+use pellucid_io::silence_decoder_panics;
 use pyo3::prelude::*;
 
 /// Native module that the Python part of the package imports.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::PyArray1;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 use pellucid_session::Session;
 use pyo3::prelude::*;
 

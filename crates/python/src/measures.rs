@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use pellucid_engine::methods::{Frame, Stop};
-use pellucid_engine::output;
 use pellucid_engine::profile::{self, Profile};
+use pellucid_io::output;
 use pellucid_lab::report::tradeoff::{self, Options, Subject};
 use pellucid_session::candidates::{self, Formation, Ladders};
 use pellucid_session::{Messages, Session};

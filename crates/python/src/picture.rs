@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use numpy::{Element, PyArray1, PyReadonlyArray1};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::image::{Image, LinearImage};
-use pellucid_engine::output::{self, WriteOptions};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::image::{Image, LinearImage};
 use pellucid_engine::profile::Profile;
+use pellucid_io::output::{self, WriteOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 

@@ -1,8 +1,8 @@
 //! Request of a caller beside the points.
 
-use pellucid_engine::io;
 use pellucid_engine::methods::{Factors, Stop};
-use pellucid_engine::scene::{Document, Input, Method, Overrides, Scene, View, ViewName};
+use pellucid_io as io;
+use pellucid_scene::{Document, Input, Method, Overrides, Scene, View, ViewName};
 use pellucid_session::choice::Wish;
 use pellucid_session::{ChoiceRequest, FrameRequest, Limits, Request, Residence, SeeThrough, SeeThroughBy};
 use pyo3::prelude::*;

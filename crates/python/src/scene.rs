@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use pellucid_engine::cloud::Cloud as Columns;
-use pellucid_engine::scene::{self as engine, Document, Input, Key, Named, Overrides, View};
+use pellucid_core::cloud::Cloud as Columns;
+use pellucid_scene::{self as engine, Document, Input, Key, Named, Overrides, View};
 use pellucid_session::describe_cloud;
 use pyo3::prelude::*;
 

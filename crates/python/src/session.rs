@@ -1,8 +1,8 @@
 //! Session with the scene of its requests.
 
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::see_through;
-use pellucid_engine::scene::Scene;
+use pellucid_gpu::Device;
+use pellucid_scene::Scene;
 use pellucid_session::{Prepared, Request, Session};
 
 use crate::failure::Failure;

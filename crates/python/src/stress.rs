@@ -1,7 +1,7 @@
 //! Sweep of `pellucid stress`.
 
-use pellucid_engine::scene::Method;
 use pellucid_lab::report::stress::{self as lab, Report, Settings};
+use pellucid_scene::Method;
 use pyo3::prelude::*;
 
 use crate::devices::Device;

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use pellucid_engine::progress::{Observer, Progress};
+use pellucid_core::progress::{Observer, Progress};
 use pellucid_session::Messages;
 use pyo3::prelude::*;
 use pyo3::types::PyList;

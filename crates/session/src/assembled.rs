@@ -3,16 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use pellucid_core::cloud::shadow_texture::ShadowTexture;
+use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::points::{Changes, Points};
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::cloud::shadow_texture::ShadowTexture;
-use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::points::{Changes, Points};
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::legend::Legend;
-use pellucid_engine::scene::stored::Stored;
-use pellucid_engine::scene::tracked::{self, DerivedColumns, Tracked};
-use pellucid_engine::scene::{self, Lighting, Method, Recipe, Scene, ScreenSplats, ShadingModel};
+use pellucid_scene::legend::Legend;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::stored::Stored;
+use pellucid_scene::tracked::{self, DerivedColumns, Tracked};
+use pellucid_scene::{self as scene, Lighting, Method, Recipe, Scene, ScreenSplats, ShadingModel};
 
 use crate::messages::Messages;
 use crate::sources::{Clouds, Sources};

@@ -2,8 +2,8 @@
 
 use pellucid_engine::methods::Frame;
 use pellucid_engine::methods::spbr::share::Share;
-use pellucid_engine::prepare::ensembles::Surface;
-use pellucid_engine::scene::Method;
+use pellucid_scene::Method;
+use pellucid_scene::prepare::ensembles::Surface;
 
 /// Copies of a point up to which Tanaka et al. (2016, Fig. 5 and Table 1) found opacities to be right.
 const COPIES: f64 = 20.0;
@@ -87,8 +87,8 @@ mod tests {
 
     use super::*;
     use glam::DVec3;
-    use pellucid_engine::camera::{Camera, Projection};
-    use pellucid_engine::scene::Scene;
+    use pellucid_core::camera::{Camera, Projection};
+    use pellucid_scene::Scene;
 
     fn frame() -> Frame {
         let scene = Scene::from_toml("method.name = 'spbr'\n[[cloud]]\npath = 'a.ply'", "s.toml".as_ref()).unwrap();

@@ -4,7 +4,7 @@
 //! - A [`Request`] is plain data, made once from arguments, keywords or the state of a window.
 //! - [`Prepared`] is a request with its clouds read, its points arranged and its camera found. It needs no device.
 //! - A [`Session`] is a prepared request on a device. It decides method and opacity, renders, and
-//!   [updates](Session::update) to other requests: [`Recipe`](pellucid_engine::scene::Recipe) is the one table of what
+//!   [updates](Session::update) to other requests: [`Recipe`](pellucid_scene::Recipe) is the one table of what
 //!   a changed key makes again.
 //! - [`Messages`] receives warnings and notes on the way.
 

@@ -1,15 +1,15 @@
 //! Notes on a frame: warnings about whatever differs from the request, the opacity that was found, pictures that show
 //! nothing or surfaces alone, and the metadata of an image.
 
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::Applied;
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::{Frame, Renderer, spbr};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{CloudSettings, Family};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{CloudSettings, Family};
 use serde_json::{Value, json};
 
 use crate::ensemble_warnings;

@@ -1,13 +1,14 @@
 //! A request with its clouds read, its points arranged and its camera found: all that is known without a device.
 
 use bytesize::ByteSize;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::cloud::{Bounds, UpAxis};
+use pellucid_core::camera::Camera;
+use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
+use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Stop, see_through};
-use pellucid_engine::points::Points;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Error, Scene};
-use pellucid_engine::{Result, output};
+use pellucid_io::output;
+use pellucid_scene::{self as scene, Error, Scene};
 
 use crate::assembled::Assembled;
 use crate::choice::Wish;

@@ -2,7 +2,7 @@
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Stop};
-use pellucid_engine::scene::{Detail, Input, MethodChoice, Named, Scene};
+use pellucid_scene::{Detail, Input, MethodChoice, Named, Scene};
 
 use crate::assembled::Wanted;
 use crate::choice::Wish;

@@ -3,19 +3,19 @@
 use std::ops::Range;
 
 use glam::Vec3;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
+use pellucid_core::points::{Changes, Points};
+use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::{DrawnPart, Frame, PassProfile, Rendered, Renderer, SamplePart};
-use pellucid_engine::output::WriteOptions;
 use pellucid_engine::plan;
-use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::profile::Profile;
-use pellucid_engine::progress::{Phase, Progress};
-use pellucid_engine::scene::{self, Detail, Method, MethodChoice, Scene};
+use pellucid_gpu::Device;
+use pellucid_io::output::WriteOptions;
+use pellucid_scene::{self as scene, Detail, Method, MethodChoice, Scene};
 
 use crate::assembled::Assembled;
 use crate::choice::{self, Choice, Subject, Wish};
@@ -115,7 +115,7 @@ impl Session {
     }
 
     /// Makes everything ready for the frame of another request of the same clouds: makes again only what depends on
-    /// keys that changed ([`Recipe`](pellucid_engine::scene::Recipe)).
+    /// keys that changed ([`Recipe`](pellucid_scene::Recipe)).
     /// Returns `true` if method and opacity were decided anew.
     ///
     /// # Errors

@@ -4,14 +4,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bytesize::ByteSize;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::io::store::{self, Summary};
-use pellucid_engine::io::{self, LasColumns};
-use pellucid_engine::progress::{Phase, Progress};
-use pellucid_engine::scene::stored::{Stores, are_complete, have_levels, open_stores};
-use pellucid_engine::scene::tracked::DerivedColumns;
-use pellucid_engine::scene::{Input, MethodChoice, Scene};
+use pellucid_io::store::{self, Summary};
+use pellucid_io::{self as io, LasColumns};
+use pellucid_scene::stored::{Stores, are_complete, have_levels, open_stores};
+use pellucid_scene::tracked::DerivedColumns;
+use pellucid_scene::{Input, MethodChoice, Scene};
 
 use crate::messages::Messages;
 

@@ -1,11 +1,11 @@
 //! The points of a scene on the device, and their way to those of a changed scene.
 
+use pellucid_core::points::Changes;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{self, Renderer, Upload};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Changes;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Detail, Lighting, Scene};
+use pellucid_scene::{Detail, Lighting, Scene};
 
 use crate::assembled::Assembled;
 use crate::sources::Sources;

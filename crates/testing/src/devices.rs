@@ -5,7 +5,7 @@
 
 use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuard};
 
-use pellucid_engine::gpu::{Device, DeviceOptions, Preferences};
+use pellucid_gpu::{Device, DeviceOptions, Preferences};
 
 use crate::skip::{NO_DEVICE, skip};
 

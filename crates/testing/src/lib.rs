@@ -6,10 +6,10 @@ pub mod signals;
 mod devices;
 mod rendering;
 
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
+use pellucid_core::camera::Camera;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::scene::Method;
+use pellucid_gpu::Device;
+use pellucid_scene::Method;
 
 pub use devices::{
     alone, has_device, with_device, with_device_that_binds, with_device_that_prefers, with_new_device, with_only_device,

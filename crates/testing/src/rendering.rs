@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Rendered, Renderer, Upload};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
+use pellucid_gpu::Device;
+use pellucid_scene::prepare::Arranged;
 
 use crate::bits;
 

@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use super::navigate::Pose;
-use pellucid_engine::metrics;
+use pellucid_core::metrics;
+use pellucid_core::points::Points;
 use pellucid_engine::plan;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Method, Scene};
+use pellucid_scene::{Method, Scene};
 
 /// Bytes of pictures of one view that are kept to be measured; the last one is always kept.
 const MOST_BYTES: usize = 256 << 20;
@@ -150,7 +150,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use pellucid_engine::scene::{DiscShape, Discs, Document, Overrides, Peel, PeelLayers, Soft, Spbr, Stochastic};
+    use pellucid_scene::{DiscShape, Discs, Document, Overrides, Peel, PeelLayers, Soft, Spbr, Stochastic};
 
     fn points(normals: bool) -> Points {
         let normals = normals.then(|| vec![Vec3::Z]);

@@ -23,7 +23,7 @@ use super::visibility::Visibility;
 use super::worker::Workload;
 use super::{Options, ui};
 use crate::Result;
-use pellucid_engine::gpu::ValidationLog;
+use pellucid_gpu::ValidationLog;
 use pellucid_window::{Drawing, Picture, Shown, Textures};
 
 /// Longest time between files that are dropped one after the other and count as one drop.

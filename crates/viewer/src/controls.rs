@@ -14,7 +14,7 @@ pub use clips::{AXES, NewClip, clip_changes, decimals, new_clip, short_number, w
 pub use clouds::{cloud, opacities, opacity};
 
 use pellucid_engine::methods::soft::SoftModel;
-use pellucid_engine::scene::{Density, Key, Kind, Light, Method, Range, Setting, Shadows, Slider, Soft, Word, rounded};
+use pellucid_scene::{Density, Key, Kind, Light, Method, Range, Setting, Shadows, Slider, Soft, Word, rounded};
 
 /// The smallest opacity of a slider above 0.
 pub const FAINTEST: f64 = 1e-3;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use egui::{Context, vec2};
 use egui_file_dialog::{DialogState, FileDialog};
 
-use pellucid_engine::camera::import::is_cameras;
-use pellucid_engine::io;
+use pellucid_core::camera::import::is_cameras;
+use pellucid_io as io;
 
 /// The user's choice.
 pub enum Chosen {

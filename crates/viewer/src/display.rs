@@ -1,17 +1,17 @@
 //! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on
-//! the device are encoded there ([`pellucid_engine::output::encode`]).
+//! the device are encoded there ([`pellucid_io::output::encode`]).
 
 use std::sync::Arc;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
+use pellucid_core::image::Image;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Buffer, Device, Slice};
-use pellucid_engine::image::Image;
 use pellucid_engine::methods::encode::{Encoder, Showing, byte_steps};
-use pellucid_engine::output::to_byte;
-use pellucid_engine::scene::{ColorSpace, Scene};
+use pellucid_gpu::{Buffer, Device, Slice};
+use pellucid_io::output::to_byte;
+use pellucid_scene::{ColorSpace, Scene};
 
 /// Converts linear values to sRGB bytes.
 pub struct Display {
@@ -62,7 +62,7 @@ impl SceneImage<'_> {
     /// Composes pixels over the background, as many as the scene says, row by row: values of the color space in force.
     pub fn composed(&self, rgba: &[[f32; 4]]) -> Vec<[f32; 3]> {
         let image = &self.scene.image;
-        let background = pellucid_engine::output::background(image.background, image.color_space());
+        let background = pellucid_io::output::background(image.background, image.color_space());
         let pixels: Vec<_> = rgba.par_iter().map(|rgba| Image::over(*rgba, background)).collect();
         if self.is_coarse() { enlarge(&pixels, self.size, image.size) } else { pixels }
     }
@@ -176,9 +176,9 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use pellucid_engine::color::encode_srgb;
-    use pellucid_engine::gpu::Memory;
-    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_core::color::encode_srgb;
+    use pellucid_gpu::Memory;
+    use pellucid_scene::{Document, Overrides};
     use pellucid_testing::with_device;
     use rand::{RngExt, SeedableRng};
 

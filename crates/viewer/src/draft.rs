@@ -5,7 +5,7 @@
 //! times the radius. The content of a pixel stays the same, and all work shrinks alike, whether it comes from pixels or
 //! points. So a single number predicts the next frame's time from the last one.
 
-use pellucid_engine::scene::{Method, Setting};
+use pellucid_scene::{Method, Setting};
 
 use super::counts::abbreviated;
 
@@ -227,7 +227,7 @@ fn coarse(share: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{Spbr, Stochastic};
+    use pellucid_scene::{Spbr, Stochastic};
 
     fn stochastic() -> Method {
         Method::Stochastic(Stochastic { samples: 64, ..Default::default() })

@@ -30,8 +30,8 @@ impl Error {
     }
 }
 
-impl From<pellucid_engine::gpu::Error> for Error {
-    fn from(error: pellucid_engine::gpu::Error) -> Self {
+impl From<pellucid_gpu::Error> for Error {
+    fn from(error: pellucid_gpu::Error) -> Self {
         Self::Engine(error.into())
     }
 }

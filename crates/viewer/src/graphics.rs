@@ -8,7 +8,7 @@ use winit::window::Window;
 use super::messages::{News, Setup};
 use super::worker::{Worker, Workload};
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Device, DeviceOptions, ValidationLog};
+use pellucid_gpu::{Device, DeviceOptions, ValidationLog};
 use pellucid_window::{Screen, Textures};
 
 /// The worker has news.

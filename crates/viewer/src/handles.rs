@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3};
 use super::controls::{AXES, clip_changes, short_number};
 use super::model::Model;
 use super::panel;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::scene::{Clip, ClipShape};
+use pellucid_core::camera::Camera;
+use pellucid_scene::{Clip, ClipShape};
 
 /// Radius of a dot, in points.
 const DOT: f32 = 5.5;
@@ -209,7 +209,7 @@ fn dot(ui: &mut Ui, model: &mut Model, view: &View, face: (usize, usize, usize),
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::camera::Projection;
+    use pellucid_core::camera::Projection;
 
     fn view(projection: Projection) -> View {
         let camera = Camera::look_at(DVec3::new(30.0, -80.0, 40.0), DVec3::ZERO, DVec3::Z, projection, 1.0, 200.0);

@@ -1,6 +1,6 @@
 //! Descriptions of scene-file keys, for parts that are drawn without an [`Entry`](super::controls::Entry) of their own.
 
-use pellucid_engine::scene::{self, Method};
+use pellucid_scene::{self as scene, Method};
 
 /// The description of a dotted key; clouds are named by number or `*`. Empty for unknown keys.
 pub fn hint(key: &str) -> &'static str {

@@ -12,8 +12,8 @@ use super::messages::Picture;
 use super::model::Model;
 use super::overlay;
 use pellucid_engine::Result;
-use pellucid_engine::scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
-use pellucid_engine::scene::{ClassSettings, Clip, CloudSettings, Scene};
+use pellucid_scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
+use pellucid_scene::{ClassSettings, Clip, CloudSettings, Scene};
 
 /// The size of a color bar, in points.
 const BAR: [f32; 2] = [14.0, 150.0];
@@ -180,7 +180,7 @@ fn length(ui: &mut Ui, bar: &ScaleBar) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_scene::{Document, Overrides};
 
     #[test]
     fn points_are_looked_at_again_only_if_colors_may_mean_something_else() {

@@ -1,7 +1,7 @@
 //! The window of `pellucid view`: live pictures of the scene that `render` renders.
 //!
 //! - `navigate`: the camera and its movements; `pointer`: the actions of pointer and keys.
-//! - `model`: the scene being edited ([`Document`](pellucid_engine::scene::Document)), the last picture, and when the
+//! - `model`: the scene being edited ([`Document`](pellucid_scene::Document)), the last picture, and when the
 //!   next one is due.
 //! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
 //! - `messages`: the requests of the window, and the replies of the worker.
@@ -52,9 +52,9 @@ use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
 
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::gpu::DeviceOptions;
-use pellucid_engine::scene::View;
+use pellucid_core::camera::import::Source;
+use pellucid_gpu::DeviceOptions;
+use pellucid_scene::View;
 
 /// The scene to show, and the settings of the window.
 pub struct Options {

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use pellucid_engine::Error;
-use pellucid_engine::gpu;
+use pellucid_gpu as gpu;
 
 /// A device that lasts for no longer than this is not opened another time.
 const PATIENCE: Duration = Duration::from_secs(10);

@@ -7,15 +7,15 @@ use crate::accuracy::Accuracy;
 use crate::draft::Effort;
 use crate::navigate::{Pose, Subject};
 use crate::statistics::{FieldFacts, Statistics};
+use pellucid_core::camera::Camera;
+use pellucid_core::camera::import::Source;
+use pellucid_core::camera::path::CameraPath;
 use pellucid_engine::Error;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::camera::path::CameraPath;
-use pellucid_engine::gpu::Buffer;
 use pellucid_engine::methods::{Facts, FrameProfile};
 use pellucid_engine::plan::Step;
-use pellucid_engine::scene::legend::Legend;
-use pellucid_engine::scene::{Document, Scene};
+use pellucid_gpu::Buffer;
+use pellucid_scene::legend::Legend;
+use pellucid_scene::{Document, Scene};
 
 /// Settings that stay the same when other files are opened.
 #[derive(Debug, Clone, Copy)]

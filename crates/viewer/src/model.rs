@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
 
 use super::counts::abbreviated;
 use super::dialog::Dialog;
@@ -18,9 +18,9 @@ use super::route::Route;
 use super::statistics::Statistics;
 use super::times::Times;
 use crate::{Error, Result};
-use pellucid_engine::camera::Projection;
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::scene::{Document, Scene, Setting, View};
+use pellucid_core::camera::Projection;
+use pellucid_core::camera::import::Source;
+use pellucid_scene::{Document, Scene, Setting, View};
 
 mod due;
 mod edit;

@@ -7,9 +7,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use pellucid_engine::camera::{Camera, Projection, path};
-use pellucid_engine::cloud::{Bounds, UpAxis};
-use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, Vertical, View, camera_at};
+use pellucid_core::camera::{Camera, Projection, path};
+use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_scene::{CameraSettings, DEFAULT_FOV_Y, Vertical, View, camera_at};
 
 /// Distances in this range, in reaches of the scene, are as far as one gets.
 const DISTANCES: [f64; 2] = [1e-6, 1e3];

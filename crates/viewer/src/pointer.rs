@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::model::{Model, Viewport};
 use super::navigate::Navigator;
 use super::panel::VIEWS;
-use pellucid_engine::scene::View;
+use pellucid_scene::View;
 
 /// Points of the wheel for a factor of e.
 const WHEEL: f64 = 300.0;

@@ -1,6 +1,6 @@
 //! Key frames that are made in the window, and the motion through them. No window, no device, no clock.
 
-use pellucid_engine::camera::path::{CameraPath, Curve, Defaults, Key, Pose, Problem};
+use pellucid_core::camera::path::{CameraPath, Curve, Defaults, Key, Pose, Problem};
 
 /// Seconds from key to key, of a path whose keys have no times.
 const PACE: f64 = 2.0;

@@ -6,9 +6,10 @@ use super::draft::Effort;
 use super::messages::Saving;
 use super::navigate::Pose;
 use super::stage::{Stage, TakenPicture};
-use pellucid_engine::output;
-use pellucid_engine::scene::{Document, Overrides, Setting};
-use pellucid_engine::{Result, io};
+use pellucid_engine::Result;
+use pellucid_io as io;
+use pellucid_io::output;
+use pellucid_scene::{Document, Overrides, Setting};
 use pellucid_session::Clouds;
 
 /// Writes the scene to the current folder under the next free number, or to the given place. On request also writes the

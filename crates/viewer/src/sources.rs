@@ -1,8 +1,8 @@
 //! A scene that was opened: its keys, and its clouds in memory or in their files.
 
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Document, Named, Scene};
+use pellucid_scene::{Document, Named, Scene};
 use pellucid_session::{Clouds, Limits, Messages, Residence, Sources};
 
 use super::statistics::Statistics;

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use pellucid_engine::progress::{Observer, Progress};
+use pellucid_core::progress::{Observer, Progress};
 
 use super::accuracy::Exactness;
 use super::draft::{Cost, Costs, Draft, Effort};
@@ -10,17 +10,17 @@ use super::messages::{Held, Setup};
 use super::navigate::{Pose, Subject};
 use super::statistics::{FieldFacts, Histograms};
 use super::thinned::{self, ThinnedCloud};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
+use pellucid_core::camera::Camera;
+use pellucid_core::points::{Changes, Points};
 use pellucid_engine::methods::brightness::Applied;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, shadows};
-use pellucid_engine::output::WriteOptions;
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::{Changes, Points};
-use pellucid_engine::scene::legend::Legend;
-use pellucid_engine::scene::{self, CameraSettings, Detail, Input, Method, MethodChoice, Scene};
-use pellucid_engine::supply::Cut;
 use pellucid_engine::{Result, plan};
+use pellucid_gpu::Device;
+use pellucid_io::output::WriteOptions;
+use pellucid_scene::legend::Legend;
+use pellucid_scene::supply::Cut;
+use pellucid_scene::{self as scene, CameraSettings, Detail, Input, Method, MethodChoice, Scene};
 use pellucid_session::{
     Assembled, Clouds, FrameRequest, Limits, Prepared, Request, Residence, Session, Silent, Sources, Uploaded,
 };
@@ -162,7 +162,7 @@ impl Stage {
     }
 
     /// Takes an image back whose memory the next one may have.
-    pub fn recycle(&mut self, image: pellucid_engine::image::Image) {
+    pub fn recycle(&mut self, image: pellucid_core::image::Image) {
         if let Some(placed) = &mut self.placed {
             placed.session.renderer.recycle(image);
         }

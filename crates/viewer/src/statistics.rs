@@ -6,11 +6,11 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::cloud::field::{self, Field};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::stored::OpenStore;
-use pellucid_engine::scene::{CloudSettings, ColorBy, Document, Overrides, Scene, Strays, colorings};
+use pellucid_scene::stored::OpenStore;
+use pellucid_scene::{CloudSettings, ColorBy, Document, Overrides, Scene, Strays, colorings};
 
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
@@ -252,8 +252,8 @@ mod tests {
         assert_eq!(statistics.fields().len(), 9);
         for name in statistics.fields() {
             let mut document = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap();
-            let word = pellucid_engine::scene::Setting::Word(name.to_owned());
-            let classes = pellucid_engine::scene::Setting::Integers(vec![5]);
+            let word = pellucid_scene::Setting::Word(name.to_owned());
+            let classes = pellucid_scene::Setting::Integers(vec![5]);
             let changes =
                 [("cloud.0.field".to_owned(), Some(word)), ("cloud.0.soft_classes".to_owned(), Some(classes))];
             let scene = document.change(&changes).unwrap();

@@ -1,7 +1,7 @@
 //! Status lines for verbose output.
 
 use super::model::Model;
-use pellucid_engine::gpu::Device;
+use pellucid_gpu::Device;
 
 /// The lines already printed, so that each is printed once.
 #[derive(Default)]

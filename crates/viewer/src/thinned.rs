@@ -1,10 +1,10 @@
 //! A regular subset of a scene's points on the device, for coarser pictures.
 
+use pellucid_core::points::Points;
 use pellucid_engine::methods::soft::SoftModel;
 use pellucid_engine::methods::{Error, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Density, Method, Soft};
+use pellucid_scene::{Density, Method, Soft};
 
 /// A subset of a scene's points, with their original radii.
 pub struct ThinnedCloud {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::thread::JoinHandle;
 
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
 
 use super::accuracy::{Exactness, History, Refinement};
 use super::display::{self, SceneImage, ScreenEncoder};
@@ -17,12 +17,12 @@ use super::navigate::Pose;
 use super::save;
 use super::sources::{Opened, statistics};
 use super::stage::{Stage, TakenPicture};
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::camera::path;
-use pellucid_engine::gpu::{self, Device};
+use pellucid_core::camera::import::Source;
+use pellucid_core::camera::path;
 use pellucid_engine::methods::{self, Frame};
-use pellucid_engine::scene::{self, Overrides, Scene};
 use pellucid_engine::{Error, Result};
+use pellucid_gpu::{self as gpu, Device};
+use pellucid_scene::{self as scene, Overrides, Scene};
 use pellucid_session::{Silent, Sources};
 
 /// Flags that control which tasks may be stopped.

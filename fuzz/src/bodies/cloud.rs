@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use glam::Vec3;
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::cloud::gaussians::{Gaussians, MAX_DEGREE};
-use pellucid_engine::io::{self, ColumnNames, Hints};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Overrides, Scene};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::gaussians::{Gaussians, MAX_DEGREE};
+use pellucid_core::progress::Progress;
+use pellucid_io::{self as io, ColumnNames, Hints};
+use pellucid_scene::{Overrides, Scene};
 
 use super::store::{las_pieces, ply_pieces};
 use super::{pages, scene::arrange, with_file};

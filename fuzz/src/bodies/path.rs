@@ -3,9 +3,9 @@
 use std::fs;
 
 use glam::DVec3;
-use pellucid_engine::camera::Projection;
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::camera::path::{Curve, Defaults, Pose};
+use pellucid_core::camera::Projection;
+use pellucid_core::camera::import::Source;
+use pellucid_core::camera::path::{Curve, Defaults, Pose};
 
 /// The first byte: `t`, `b` a COLMAP model as text or binary files, whose two files are parted by the first line `--`;
 /// else a JSON file.

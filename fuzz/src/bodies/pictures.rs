@@ -1,10 +1,10 @@
 //! Pictures that stand for clouds, and those that `compare` reads.
 
-use pellucid_engine::io::photo::{Heights, Photo};
-use pellucid_engine::io::{self, Hints};
-use pellucid_engine::metrics;
-use pellucid_engine::output::read_image;
-use pellucid_engine::progress::Progress;
+use pellucid_core::metrics;
+use pellucid_core::progress::Progress;
+use pellucid_io::output::read_image;
+use pellucid_io::photo::{Heights, Photo};
+use pellucid_io::{self as io, Hints};
 
 use super::{cloud::check, with_file};
 

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::io::{self, ply};
-use pellucid_engine::prepare::{self, Request};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Overrides, Scene};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::Progress;
+use pellucid_io::{self as io, ply};
+use pellucid_scene::prepare::{self, Request};
+use pellucid_scene::{Overrides, Scene};
 
 use super::{cloud::check, scene::arrange, with_file};
 

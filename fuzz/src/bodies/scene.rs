@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::Cloud;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::Progress;
 use pellucid_engine::plan;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Overrides, Scene};
+use pellucid_scene::{self as scene, Overrides, Scene};
 
 use super::with_file;
 

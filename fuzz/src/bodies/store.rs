@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use pellucid_engine::io::store::{Copc, Ept, LasPieces, Octree, PlyPieces, Store};
-use pellucid_engine::io::{Error, LasColumns};
+use pellucid_io::store::{Copc, Ept, LasPieces, Octree, PlyPieces, Store};
+use pellucid_io::{Error, LasColumns};
 
 use super::cloud::check;
 use super::with_file;

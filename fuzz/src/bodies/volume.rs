@@ -1,7 +1,7 @@
 //! Raw volumes, and the scene `iso` of them.
 
-use pellucid_engine::io::volume::{Dims, Scalar, read};
-use pellucid_engine::scene::procedural::iso::build_iso;
+use pellucid_io::volume::{Dims, Scalar, read};
+use pellucid_scene::procedural::iso::build_iso;
 
 use super::with_file;
 

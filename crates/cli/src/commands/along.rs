@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use pellucid_core::camera::Camera;
+use pellucid_core::camera::import::Source;
+use pellucid_core::camera::path::{self, Curve, Pose};
+use pellucid_core::cloud::UpAxis;
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::camera::path::{self, Curve, Pose};
-use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Course, Scene};
+use pellucid_scene::{Course, Scene};
 use pellucid_session::{Opened, Prepared, Request};
 
 use super::bar::Bar;

@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use pellucid_engine::progress::{Observer, Progress};
+use pellucid_core::progress::{Observer, Progress};
 
 /// Work that is done within this time shows no progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);

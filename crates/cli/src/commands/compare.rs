@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid_core::image::LinearImage;
+use pellucid_core::metrics::{self, Comparison};
 use pellucid_engine::Result;
-use pellucid_engine::image::LinearImage;
-use pellucid_engine::metrics::{self, Comparison};
-use pellucid_engine::output::{self, read_image};
+use pellucid_io::output::{self, read_image};
 use serde_json::json;
 
 use super::compare_profiles;

@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use pellucid_engine::{Result, output};
+use pellucid_engine::Result;
+use pellucid_io::output;
 use serde::Deserialize;
 use serde_json::json;
 

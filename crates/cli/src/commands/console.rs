@@ -4,7 +4,8 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use pellucid_engine::{Result, output};
+use pellucid_engine::Result;
+use pellucid_io::output;
 use pellucid_session::Messages;
 
 use super::bar::Bar;

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use bytesize::ByteSize;
 use clap::Args;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame, Renderer, deep};
-use pellucid_engine::output::deep::{Layout, Numbers, Packing, State, Writer, Written};
-use pellucid_engine::output::{self, room};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::scene::MethodChoice;
 use pellucid_engine::{Result, plan};
+use pellucid_gpu::Device;
+use pellucid_io::output::deep::{Layout, Numbers, Packing, State, Writer, Written};
+use pellucid_io::output::{self, room};
+use pellucid_scene::MethodChoice;
 use pellucid_session::{Prepared, Session, Uploaded};
 
 use super::bar::Bar;

@@ -1,7 +1,8 @@
 //! `pellucid devices`.
 
 use clap::Args;
-use pellucid_engine::{Result, gpu, methods};
+use pellucid_engine::{Result, methods};
+use pellucid_gpu as gpu;
 use serde_json::json;
 
 use super::console::Console;

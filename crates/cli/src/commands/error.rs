@@ -10,7 +10,7 @@ pub enum Error {
     Engine(#[from] pellucid_engine::Error),
     /// A file could not be written.
     #[error(transparent)]
-    Output(#[from] pellucid_engine::output::Error),
+    Output(#[from] pellucid_io::output::Error),
     /// A film could not be encoded.
     #[error(transparent)]
     Film(#[from] super::films::Error),

@@ -1,8 +1,8 @@
 //! Short options that leave points out or make them see-through: `--class`, `--classes`, `--without`, `--slice`.
 
+use pellucid_core::color::classes;
 use pellucid_engine::Result;
-use pellucid_engine::color::classes;
-use pellucid_engine::scene::Overrides;
+use pellucid_scene::Overrides;
 
 use super::limit::usage;
 

@@ -9,12 +9,12 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pellucid_core::cloud::shadow_texture::Casting;
+use pellucid_core::cloud::{Cloud, Prepared};
 use pellucid_engine::Result;
-use pellucid_engine::cloud::shadow_texture::Casting;
-use pellucid_engine::cloud::{Cloud, Prepared};
-use pellucid_engine::io::{self, ColumnNames, Hints};
-use pellucid_engine::prepare::outliers::{self, Rule};
-use pellucid_engine::scene::{Light, Outliers, Strays};
+use pellucid_io::{self as io, ColumnNames, Hints};
+use pellucid_scene::prepare::outliers::{self, Rule};
+use pellucid_scene::{Light, Outliers, Strays};
 use serde_json::{Value, json};
 
 use super::bar::Bar;

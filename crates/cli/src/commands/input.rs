@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use bytesize::ByteSize;
 use clap::Args;
+use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
-use pellucid_engine::io::{LEAST_MEMORY, memory_for_points};
 use pellucid_engine::methods::see_through;
-use pellucid_engine::progress::{Phase, Progress};
-use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Named, Overrides, ViewName};
+use pellucid_io::{LEAST_MEMORY, memory_for_points};
+use pellucid_scene::{self as scene, DEFAULT_SCENE, Family, Named, Overrides, ViewName};
 use pellucid_session::{Limits, Request, Residence, SeeThrough, SeeThroughBy};
 
 use super::console::Console;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::Stop;
-use pellucid_engine::output;
+use pellucid_io::output;
 use pellucid_session::choice::Wish;
 use pellucid_session::{FrameRequest, Request};
 

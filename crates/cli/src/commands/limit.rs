@@ -1,6 +1,7 @@
 //! The limits that --fail-above, --fail-below and --fail-slower of `pellucid compare` set on a measurement.
 
-use pellucid_engine::{Result, scene};
+use pellucid_engine::Result;
+use pellucid_scene as scene;
 
 use super::console::Console;
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 use pellucid_engine::Result;
-use pellucid_engine::output::{Files, check_report_folder, make_folder};
+use pellucid_io::output::{Files, check_report_folder, make_folder};
 
 use super::Cli;
 use super::console::Console;

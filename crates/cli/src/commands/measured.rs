@@ -5,10 +5,11 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
-use pellucid_engine::camera::{Camera, Projection};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_engine::Result;
 use pellucid_engine::methods::Rendered;
 use pellucid_engine::profile::Profile;
-use pellucid_engine::{Result, output};
+use pellucid_io::output;
 use pellucid_session::Session;
 use serde_json::{Value, json};
 

@@ -159,7 +159,7 @@ pub fn run_from(arguments: impl IntoIterator<Item = OsString>, streams: Streams)
     let console = Console::new(verbosity.quiet, verbosity.verbose, streams);
     if streams.is_process() {
         interrupt::watch();
-        pellucid_engine::io::silence_decoder_panics();
+        pellucid_io::silence_decoder_panics();
     }
     let done = if command.input().is_some_and(input::InputArgs::lists_presets) {
         console.print(&presets::list()).map(|()| ExitCode::SUCCESS).map_err(Error::from)

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use bytesize::ByteSize;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::progress::Phase;
-use pellucid_engine::{Result, output};
+use pellucid_core::progress::Phase;
+use pellucid_engine::Result;
+use pellucid_gpu::{Device, DeviceOptions};
+use pellucid_io::output;
 use serde_json::Value;
 
 use super::bar::Bar;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::Rendered;
-use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
+use pellucid_io::output::{self, WriteOptions};
 use pellucid_session::{Clouds, Opened, Prepared, Session, Silent};
 
 use super::bar::Bar;

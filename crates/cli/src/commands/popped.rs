@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use pellucid_engine::image::{Image, LinearImage};
+use pellucid_core::image::{Image, LinearImage};
+use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer, Stop};
-use pellucid_engine::{Result, output};
+use pellucid_io::output;
 use pellucid_lab::report::popping::{self, Candidate, Follower, Popping};
 use pellucid_session::Session;
 

@@ -6,11 +6,14 @@ use std::path::{Path, PathBuf};
 use super::bar::Bar;
 use bytesize::ByteSize;
 use clap::{ArgGroup, Args};
-use pellucid_engine::cloud::shadow_texture::ShadowTexture;
-use pellucid_engine::cloud::{Cloud, Prepared};
+use pellucid_core::cloud::shadow_texture::ShadowTexture;
+use pellucid_core::cloud::{Cloud, Prepared};
+use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
-use pellucid_engine::{Result, io, output, prepare};
+use pellucid_io as io;
+use pellucid_io::output;
+use pellucid_scene::prepare;
+use pellucid_scene::{self as scene, CloudSettings, Overrides, Scene};
 
 use super::console::Console;
 use super::limit::usage;

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
-use pellucid_engine::io::store::build::{NODE_POINTS, Settings};
-use pellucid_engine::io::store::{self, Octree, Store};
-use pellucid_engine::prepare::{self, Request};
-use pellucid_engine::scene::{self, CloudSettings, Scene};
-use pellucid_engine::{Result, io};
+use pellucid_engine::Result;
+use pellucid_io as io;
+use pellucid_io::store::build::{NODE_POINTS, Settings};
+use pellucid_io::store::{self, Octree, Store};
+use pellucid_scene::prepare::{self, Request};
+use pellucid_scene::{self as scene, CloudSettings, Scene};
 use pellucid_session::describe_store;
 
 use super::bar::Bar;

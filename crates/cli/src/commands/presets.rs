@@ -2,7 +2,7 @@
 //! are printed.
 
 use pellucid_engine::Result;
-use pellucid_engine::scene::Overrides;
+use pellucid_scene::Overrides;
 use pellucid_session::{SeeThrough, SeeThroughBy};
 
 /// A recipe.
@@ -193,7 +193,7 @@ impl Preset {
 mod tests {
     use std::path::Path;
 
-    use pellucid_engine::scene::{Scene, procedural};
+    use pellucid_scene::{Scene, procedural};
 
     use super::*;
 

@@ -1,7 +1,7 @@
 //! `pellucid profile`.
 
 use clap::Args;
-use pellucid_engine::camera::Camera;
+use pellucid_core::camera::Camera;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::{Result, profile};
 use pellucid_session::{FrameRequest, Prepared, Request, Session};

@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
 use clap::Args;
-use pellucid_engine::io::volume::{Dims, Scalar};
-use pellucid_engine::scene::procedural::{self, BUILTINS, Generated, iso, terrain};
-use pellucid_engine::{Result, io, output, scene};
+use pellucid_engine::Result;
+use pellucid_io as io;
+use pellucid_io::output;
+use pellucid_io::volume::{Dims, Scalar};
+use pellucid_scene as scene;
+use pellucid_scene::procedural::{self, BUILTINS, Generated, iso, terrain};
 
 use super::console::Console;
 use super::limit::usage;

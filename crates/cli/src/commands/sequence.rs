@@ -5,10 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use pellucid_engine::camera::Camera;
+use pellucid_core::camera::Camera;
 use pellucid_engine::methods::{Frame, Rendered};
 use pellucid_engine::profile::Profile;
-use pellucid_engine::{Result, identity, output};
+use pellucid_engine::{Result, identity};
+use pellucid_io::output;
 use pellucid_session::Session;
 
 use super::along::Along;

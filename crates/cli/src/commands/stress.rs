@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use pellucid_engine::Result;
-use pellucid_engine::scene::Method;
 use pellucid_lab::report::page::{self, Table};
 use pellucid_lab::report::stress::{self, Cell, Report, Settings, Slope, Sweep};
+use pellucid_scene::Method;
 
 use super::console::Console;
 use super::options::{DeviceArgs, device};
@@ -82,7 +82,7 @@ impl StressArgs {
 }
 
 pub fn run(args: StressArgs, console: Console) -> Result<()> {
-    pellucid_engine::output::check_report_folder(&args.output)?;
+    pellucid_io::output::check_report_folder(&args.output)?;
     let settings = args.settings();
     let progress = console.progress();
     let device = device(args.device.device.clone())?;

@@ -5,14 +5,15 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use pellucid_engine::camera::Camera;
+use pellucid_core::camera::Camera;
+use pellucid_core::points::Points;
+use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Frame};
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
-use pellucid_engine::{Result, output};
+use pellucid_io::output;
 use pellucid_lab::report::page::{self, Table};
 use pellucid_lab::report::popping;
 use pellucid_lab::report::tradeoff::{self, Options, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
+use pellucid_scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session};
 

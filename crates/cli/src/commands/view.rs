@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::gpu::DeviceOptions;
+use pellucid_core::camera::import::Source;
+use pellucid_gpu::DeviceOptions;
 use pellucid_viewer::{Display, Opened, Options};
 
 use super::Error;

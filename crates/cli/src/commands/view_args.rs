@@ -4,7 +4,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use pellucid_engine::Result;
-use pellucid_engine::scene::{Overrides, Vertical, View, ViewName};
+use pellucid_scene::{Overrides, Vertical, View, ViewName};
 
 use super::headings::CAMERA;
 

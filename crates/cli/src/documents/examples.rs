@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::CommandFactory;
-use pellucid_engine::scene::{Overrides, Scene};
+use pellucid_scene::{Overrides, Scene};
 
 use super::pages::{Block, blocks, blocks_of};
 use crate::commands::{Cli, command_of_ranks};

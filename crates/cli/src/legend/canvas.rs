@@ -1,7 +1,7 @@
 //! Rectangles and text on the pixels of a PNG.
 
 use ab_glyph::{Font, FontRef, InvalidFont, PxScale, ScaleFont, point};
-use pellucid_engine::output::Raster;
+use pellucid_io::output::Raster;
 
 /// A color in sRGB, 0 to 255, and how much of it covers what is there, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! Layout of a legend in a picture.
 
-use pellucid_engine::camera::Camera;
-use pellucid_engine::color::ticks::Tick;
-use pellucid_engine::scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
+use pellucid_core::camera::Camera;
+use pellucid_core::color::ticks::Tick;
+use pellucid_scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
 
 use super::canvas::Letters;
 

@@ -8,13 +8,13 @@ mod tests;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use pellucid_core::camera::Camera;
+use pellucid_core::color::ticks::Tick;
+use pellucid_core::image::Image;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::color::ticks::Tick;
-use pellucid_engine::image::Image;
-use pellucid_engine::output::{self, Raster, WriteOptions};
-use pellucid_engine::scene::Error;
-use pellucid_engine::scene::legend::{Legend, ScaleBar, Values};
+use pellucid_io::output::{self, Raster, WriteOptions};
+use pellucid_scene::Error;
+use pellucid_scene::legend::{Legend, ScaleBar, Values};
 use pellucid_session::{Messages, Prepared};
 
 use canvas::{Canvas, Ink};

@@ -1,8 +1,8 @@
 use super::*;
-use pellucid_engine::camera::Projection;
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Scene, arrange_with_legend};
+use pellucid_core::camera::Projection;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::Progress;
+use pellucid_scene::{Scene, arrange_with_legend};
 
 fn camera(projection: Projection) -> Camera {
     Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, projection, 0.1, 10.0).unwrap()

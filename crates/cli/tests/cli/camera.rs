@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use pellucid_engine::output::read_image;
+use pellucid_io::output::read_image;
 use tempfile::TempDir;
 
 use crate::{assert_refused, done, folder, has_device, inside, run};

@@ -3,8 +3,8 @@
 
 use std::fs;
 
-use pellucid_engine::metrics::rmse;
-use pellucid_engine::output::read_image;
+use pellucid_core::metrics::rmse;
+use pellucid_io::output::read_image;
 use serde_json::Value;
 use tempfile::TempDir;
 

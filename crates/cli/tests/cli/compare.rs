@@ -27,7 +27,7 @@ fn pictures_are_measured_and_their_difference_drawn() {
     let ssim = (11.0 + 1e-4 / 0.2501) / 12.0;
     assert!((value["ssim"].as_f64().unwrap() - ssim).abs() < 1e-12, "{json}");
     assert!((0.1..1.0).contains(&value["flip"].as_f64().unwrap()), "{json}");
-    let difference = pellucid_engine::output::read_image(&folder.path().join("d.png")).unwrap();
+    let difference = pellucid_io::output::read_image(&folder.path().join("d.png")).unwrap();
     assert_eq!(difference.pixels[..2], [[0.0; 3], [1.0, 0.0, 0.0]]);
 
     let (_, json, _) = run(&folder, &["compare", "a.exr", "a.exr", "--json"]);

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use assert_cmd::Command;
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::output::read_image;
-use pellucid_engine::progress::Progress;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::Progress;
+use pellucid_io::output::read_image;
 use pellucid_testing::{Clouds, clouds, has_device, shader_cache, whole_clouds};
 use tempfile::TempDir;
 
@@ -61,7 +61,7 @@ fn info_counts_the_points() {
 fn prepared(folder: &TempDir, file: &Path, args: &[&str]) -> (Cloud, Cloud) {
     let output = pellucid(folder, &[&["prepare", "-o", "out.ply"], args].concat(), file);
     assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
-    let load = |path: &Path| pellucid_engine::io::load(path, &Progress::hidden()).unwrap();
+    let load = |path: &Path| pellucid_io::load(path, &Progress::hidden()).unwrap();
     let (source, cloud) = (load(file), load(&folder.path().join("out.ply")));
     let plain = Cloud { prepared: None, radii: source.radii.clone(), ..cloud.clone() };
     assert_eq!(plain, source, "every column, to the bit");
@@ -77,7 +77,7 @@ fn real_clouds_are_prepared() {
     let classes = ["--field", "classification", "--soft-classes", "1"];
     let (source, delft) = prepared(&folder, &data.join("lidar/ahn3_delft_classified.laz"), &classes);
     let soft = fields(&delft).iter().filter(|f| **f == 1.0).count();
-    assert_eq!((soft, delft.up), (196_137, pellucid_engine::cloud::UpAxis::Z));
+    assert_eq!((soft, delft.up), (196_137, pellucid_core::cloud::UpAxis::Z));
     assert_radii(&source, &delft);
 
     let (_, lion) = prepared(&folder, &data.join("photogrammetry/lion_takanawa.copc.laz"), &[]);

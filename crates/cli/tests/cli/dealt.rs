@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pellucid_engine::output::read_image;
+use pellucid_io::output::read_image;
 use serde_json::Value;
 
 use super::render::exr;
@@ -44,11 +44,10 @@ fn a_plane_has_its_opacity_and_the_same_bytes_again() {
     assert!(render("c.exr", &["--seed", "1"]) != render("b.exr", &[]));
     // A file in another order does not.
     let cloud =
-        pellucid_engine::io::load(&inside(&folder, "plane/plane.ply"), &pellucid_engine::progress::Progress::hidden())
-            .unwrap();
+        pellucid_io::load(&inside(&folder, "plane/plane.ply"), &pellucid_core::progress::Progress::hidden()).unwrap();
     let mut backward = cloud.clone();
     backward.positions.reverse();
-    pellucid_engine::io::ply::write(&inside(&folder, "plane/plane.ply"), &backward).unwrap();
+    pellucid_io::ply::write(&inside(&folder, "plane/plane.ply"), &backward).unwrap();
     assert!(render("d.exr", &[]) == render("b.exr", &[]));
     // 200 000 points in 1000 ensembles, once each: 540 over a pixel make 1 − e^(−0.54).
     done(

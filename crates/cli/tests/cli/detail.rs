@@ -21,7 +21,7 @@ fn store(folder: &TempDir) {
 }
 
 fn about(folder: &TempDir, file: &str) -> Option<Value> {
-    let text = pellucid_engine::output::metadata(&inside(folder, file), "pellucid:detail")?;
+    let text = pellucid_io::output::metadata(&inside(folder, file), "pellucid:detail")?;
     Some(serde_json::from_str(&text).unwrap())
 }
 
@@ -47,14 +47,14 @@ fn pictures_do_with_fewer_points_and_say_so() {
         (Some(3.0), Some(3.0), Some(20_000))
     );
     assert!(coarse["points"].as_u64().unwrap() < 10_000, "{coarse}");
-    let settings = pellucid_engine::output::metadata(&inside(&folder, "coarse.exr"), "pellucid:settings").unwrap();
+    let settings = pellucid_io::output::metadata(&inside(&folder, "coarse.exr"), "pellucid:settings").unwrap();
     assert!(settings.contains("spacing_px"), "{settings}");
     render("sphere/", "few.exr", &["--max-points", "9000"]);
     let few = about(&folder, "few.exr").unwrap();
     assert!(few["points"].as_u64().unwrap() <= 9000 && few["cut_px"].as_f64().unwrap() > 0.0, "{few}");
     // Whatever the memory of the host, levels are those of the store.
     render("sphere/", "tight.exr", &["--max-points", "9000", "--host-memory", "1MiB"]);
-    let bytes = |name: &str| pellucid_engine::output::read_image(&inside(&folder, name)).unwrap().pixels;
+    let bytes = |name: &str| pellucid_io::output::read_image(&inside(&folder, name)).unwrap().pixels;
     assert_eq!(bytes("tight.exr"), bytes("few.exr"));
     // The sphere covers as much as it did.
     let covered = |name: &str| bytes(name).iter().filter(|pixel| pixel[0] > 0.0).count() as f64;

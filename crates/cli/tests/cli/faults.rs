@@ -126,7 +126,7 @@ fn place() -> TempDir {
             // Such that a PNG of the difference has some size.
             let pixel = |i: usize| [factor, 59, 83].map(|factor| (i * i * factor % 251) as f32 / 251.0);
             let pixels: Vec<_> = (0..40 * 30).map(pixel).collect();
-            pellucid_engine::output::write_rgb_png(&inside(name), [40, 30], &pixels).unwrap();
+            pellucid_io::output::write_rgb_png(&inside(name), [40, 30], &pixels).unwrap();
         }
         folder
     });

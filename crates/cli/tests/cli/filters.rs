@@ -3,8 +3,8 @@
 use std::fs;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::output::read_image;
+use pellucid_core::cloud::Cloud;
+use pellucid_io::output::read_image;
 use tempfile::TempDir;
 
 use crate::{assert_refused, done, folder, has_device, inside};
@@ -19,7 +19,7 @@ fn scan(folder: &TempDir) {
         radii: Some(vec![0.25; 3]),
         ..Cloud::default()
     };
-    pellucid_engine::io::ply::write(&inside(folder, "scan.ply"), &cloud).unwrap();
+    pellucid_io::ply::write(&inside(folder, "scan.ply"), &cloud).unwrap();
 }
 
 /// The largest red, green and blue of the picture with these options.

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pellucid_engine::cloud::UpAxis;
+use pellucid_core::cloud::UpAxis;
 use serde_json::{Value, json};
 
 use crate::{assert_refused, done, folder, has_device, inside, run};
@@ -28,8 +28,7 @@ fn columns_are_named_wherever_files_are_read() {
     assert_eq!((code, stderr.as_str()), (0, ""));
     let prepared = info(&folder, &["a.ply"]);
     assert_eq!(prepared["attributes"], json!(["color", "radius", "field", "height"]));
-    let cloud =
-        pellucid_engine::io::load(&inside(&folder, "a.ply"), &pellucid_engine::progress::Progress::hidden()).unwrap();
+    let cloud = pellucid_io::load(&inside(&folder, "a.ply"), &pellucid_core::progress::Progress::hidden()).unwrap();
     assert_eq!((cloud.up, cloud.prepared.unwrap().values), (UpAxis::Z, vec![1.0, 0.0]));
     // For files that name their columns an error says that nothing is left to name.
     let (code, _, stderr) = run(&folder, &["info", "a.ply", "--columns", "x,y,z"]);
@@ -62,7 +61,7 @@ fn a_scene_names_columns_and_the_option_wins() {
     scene("plain.toml", "b.xyz", "");
     let picture = |scene: &str, args: &[&str]| {
         done(&folder, &[&["render", scene, "-o", "out.exr", "--set", "method.name=circles"], args].concat());
-        pellucid_engine::output::read_image(&inside(&folder, "out.exr")).unwrap().pixels
+        pellucid_io::output::read_image(&inside(&folder, "out.exr")).unwrap().pixels
     };
     let plain = picture("plain.toml", &[]);
     let lit = |channel: usize| plain.iter().filter(|pixel| pixel[channel] == 1.0).count();

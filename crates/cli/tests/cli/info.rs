@@ -1,7 +1,7 @@
 //! `info`: what a picture could use.
 
 use glam::DVec3;
-use pellucid_engine::cloud::Cloud;
+use pellucid_core::cloud::Cloud;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -16,7 +16,7 @@ fn scan(folder: &TempDir, name: &str) {
         intensity: Some((0..1201).map(|i| i as f32).collect()),
         ..Cloud::default()
     };
-    pellucid_engine::io::ply::write(&inside(folder, name), &cloud).unwrap();
+    pellucid_io::ply::write(&inside(folder, name), &cloud).unwrap();
 }
 
 #[test]

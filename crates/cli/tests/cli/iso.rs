@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pellucid_engine::io;
+use pellucid_io as io;
 
 use crate::{assert_refused, folder, inside, run};
 
@@ -22,7 +22,7 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
         let [a, b] = ["a", "b"].map(|of| fs::read(inside(&folder, &format!("{of}/{name}"))).unwrap());
         assert!(a == b, "{name}");
     }
-    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_engine::progress::Progress::hidden()).unwrap();
+    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_core::progress::Progress::hidden()).unwrap();
     let [outer, inner] = ["a/surface-1.ply", "a/surface-2.ply"].map(load);
     assert!(outer.len() + inner.len() == 500 && outer.len() > inner.len());
     // From −1 to 1 over eight cells. Between the numbers the interpolant of each square is too large by up to ¼: the
@@ -39,7 +39,7 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
 fn without_a_volume_there_are_surfaces_of_an_orbital() {
     let folder = folder();
     assert_eq!(run(&folder, &["scene", "iso", "--set", "points=3000", "-o", "a"]), (0, String::new(), String::new()));
-    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_engine::progress::Progress::hidden()).unwrap();
+    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_core::progress::Progress::hidden()).unwrap();
     let surfaces = ["a/surface-1.ply", "a/surface-2.ply", "a/surface-3.ply"].map(load);
     assert_eq!(surfaces.iter().map(|cloud| cloud.len()).sum::<usize>(), 3000);
     // Density is equal above and below the nucleus, and none where lobes and ring would meet.

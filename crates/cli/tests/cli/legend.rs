@@ -3,14 +3,14 @@
 use std::fs;
 
 use glam::DVec3;
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::output::read_image;
+use pellucid_core::cloud::Cloud;
+use pellucid_io::output::read_image;
 
 use crate::{assert_refused_with_device, builtin, device, done, folder, has_device, inside, run};
 
 fn write_heights(path: &std::path::Path) {
     let positions = (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), f64::from(i % 7))).collect();
-    pellucid_engine::io::ply::write(path, &Cloud { positions, ..Cloud::default() }).unwrap();
+    pellucid_io::ply::write(path, &Cloud { positions, ..Cloud::default() }).unwrap();
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn a_legend_covers_one_corner_and_nothing_else() {
     assert!(differ.len() > 1000, "{} pixels", differ.len());
     // A third of 320 columns, behind a margin of 7.
     assert!(differ.iter().all(|i| (7..7 + 107).contains(&(i % 320)) && i / 320 < 240 - 7));
-    let metadata = |name| pellucid_engine::output::metadata(&inside(&folder, name), "pellucid:settings");
+    let metadata = |name| pellucid_io::output::metadata(&inside(&folder, name), "pellucid:settings");
     assert_eq!(metadata("plain.png"), metadata("explained.png"));
 }
 

@@ -53,10 +53,10 @@ use std::thread;
 use assert_cmd::Command;
 use glam::{DVec3, Vec3};
 use pellucid_cli::{Captured, Streams};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::image::Image;
-use pellucid_engine::output::{WriteOptions, write_image};
-use pellucid_engine::scene::{ColorSpace, procedural};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::image::Image;
+use pellucid_io::output::{WriteOptions, write_image};
+use pellucid_scene::{ColorSpace, procedural};
 use pellucid_testing::{has_device, shader_cache};
 use tempfile::TempDir;
 
@@ -172,7 +172,7 @@ fn write_cloud(path: &Path) {
         classification: Some(vec![2, 2]),
         ..Cloud::default()
     };
-    pellucid_engine::io::ply::write(path, &cloud).unwrap();
+    pellucid_io::ply::write(path, &cloud).unwrap();
 }
 
 fn write_picture(path: &Path, width: u32, red: f32) {
@@ -335,7 +335,7 @@ fn scenes_are_listed_one_a_line_and_written_whole() {
     let args = ["scene", "garden", "-o", "new/garden", "--set", "points=5000", "--seed", "3"];
     assert_eq!(run(&folder, &args), (0, String::new(), String::new()));
     let written = folder.path().join("new/garden");
-    let scene = pellucid_engine::scene::Scene::read(&written.join("scene.toml"), &Default::default()).unwrap();
+    let scene = pellucid_scene::Scene::read(&written.join("scene.toml"), &Default::default()).unwrap();
     assert_eq!(scene.warnings, [""; 0]);
     assert!(scene.clouds.iter().all(|cloud| cloud.path.starts_with(&written) && cloud.path.is_file()));
     // The clouds, scene.toml, nothing temporary.

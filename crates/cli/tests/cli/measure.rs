@@ -3,8 +3,8 @@
 use std::fs;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_core::cloud::Cloud;
+use pellucid_gpu::{Device, DeviceOptions};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -276,7 +276,7 @@ fn write_row(folder: &TempDir, count: usize, radius: f32) {
         radii: Some(vec![radius; count]),
         ..Cloud::default()
     };
-    pellucid_engine::io::ply::write(&inside(folder, "row.ply"), &cloud).unwrap();
+    pellucid_io::ply::write(&inside(folder, "row.ply"), &cloud).unwrap();
 }
 
 #[test]

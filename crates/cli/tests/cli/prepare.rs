@@ -4,11 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::field::Field;
-use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::Scene;
-use pellucid_engine::{io, scene};
+use pellucid_core::cloud::field::Field;
+use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::progress::Progress;
+use pellucid_io as io;
+use pellucid_scene as scene;
+use pellucid_scene::Scene;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
@@ -115,7 +116,7 @@ fn the_hash_is_the_documented_one() {
 }
 
 /// The points of a frame of one cloud under a soft method.
-fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid_engine::points::Points {
+fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid_core::points::Points {
     let text = format!("[method]\nname = \"soft-base\"\n[[cloud]]\npath = \"{cloud}\"\n{keys}");
     let scene = Scene::from_toml(&text, &inside(folder, "s.toml")).unwrap();
     let clouds = scene::load_clouds(&scene, &Progress::hidden()).unwrap();
@@ -217,8 +218,8 @@ fn the_vertical_of_surveys_is_kept() {
         up: UpAxis::Z,
         ..Cloud::default()
     };
-    let request = pellucid_engine::prepare::Request::default();
-    let prepared = pellucid_engine::prepare::prepared(source.clone(), &request, &Progress::hidden()).unwrap();
+    let request = pellucid_scene::prepare::Request::default();
+    let prepared = pellucid_scene::prepare::prepared(source.clone(), &request, &Progress::hidden()).unwrap();
     let path = inside(&folder, "a.ply");
     io::ply::write_prepared(&path, &prepared).unwrap();
     let back = load(&path);

@@ -5,7 +5,7 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::Output;
 
-use pellucid_engine::io::store::{Octree, Store};
+use pellucid_io::store::{Octree, Store};
 use pellucid_testing::root;
 use tempfile::TempDir;
 

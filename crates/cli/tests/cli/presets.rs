@@ -3,8 +3,8 @@
 use std::fs;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::output::read_image;
+use pellucid_core::cloud::Cloud;
+use pellucid_io::output::read_image;
 use tempfile::TempDir;
 
 use crate::{assert_refused, device, folder, has_device, inside, run};
@@ -18,9 +18,9 @@ fn scan(folder: &TempDir) {
         radii: Some(vec![0.25; 3]),
         ..Cloud::default()
     };
-    pellucid_engine::io::ply::write(&inside(folder, "scan.ply"), &cloud).unwrap();
+    pellucid_io::ply::write(&inside(folder, "scan.ply"), &cloud).unwrap();
     let plain = Cloud { classification: None, ..cloud };
-    pellucid_engine::io::ply::write(&inside(folder, "plain.ply"), &plain).unwrap();
+    pellucid_io::ply::write(&inside(folder, "plain.ply"), &plain).unwrap();
 }
 
 /// Renders a file with these options; the largest red, green and blue, and what was said.

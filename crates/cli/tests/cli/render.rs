@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use exr::prelude::{AttributeValue, Text, read_first_flat_layer_from_file};
-use pellucid_engine::output::read_image;
+use pellucid_io::output::read_image;
 
 use crate::{builtin, done, folder, has_device, inside};
 

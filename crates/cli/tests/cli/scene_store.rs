@@ -4,8 +4,8 @@ use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 
-use pellucid_engine::io::store::{Octree, Store};
-use pellucid_engine::scene::Scene;
+use pellucid_io::store::{Octree, Store};
+use pellucid_scene::Scene;
 
 use crate::{assert_refused, folder, inside, pellucid, run};
 

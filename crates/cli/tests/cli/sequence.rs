@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use pellucid_engine::output::metadata;
+use pellucid_io::output::metadata;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -140,7 +140,7 @@ fn a_turntable_goes_around() {
     assert!(told.contains("since from [12.5, -20.0, 13.5] it would lose points"), "{told}");
     fs::remove_file(inside(&folder, "own_0.png")).unwrap();
     let (from_10, from_100) = (turn("10", "a_%d.png"), turn("100", "b_%d.png"));
-    let read = |name: String| pellucid_engine::output::read_image(&inside(&folder, &name)).unwrap();
+    let read = |name: String| pellucid_io::output::read_image(&inside(&folder, &name)).unwrap();
     for i in 0..4 {
         // A quarter is 90° of azimuth: the same cameras apart from rounding. Their pictures are not compared, since a
         // rounding may move a disc's edge over a pixel.

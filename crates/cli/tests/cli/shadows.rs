@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::io;
-use pellucid_engine::progress::Progress;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::Progress;
+use pellucid_io as io;
 use tempfile::TempDir;
 
 use crate::{assert_refused, assert_refused_with_device, device, done, folder, has_device, inside, run};

@@ -1,7 +1,7 @@
 //! Gaussian splats on the command line: described, and written as PLY files.
 
-use pellucid_engine::io;
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
+use pellucid_io as io;
 use serde_json::{Value, json};
 
 use crate::{folder, inside, run};

@@ -56,8 +56,7 @@ fn assert_row(folder: &TempDir, row: &Value) {
     }
     assert_eq!(row["repeats"].is_object(), row["stochastic"] == true);
     for key in ["picture", "difference"] {
-        let picture =
-            pellucid_engine::output::read_image(&inside(folder, &format!("report/{}", text(row, key)))).unwrap();
+        let picture = pellucid_io::output::read_image(&inside(folder, &format!("report/{}", text(row, key)))).unwrap();
         assert_eq!((picture.width, picture.height), (48, 32));
     }
 }
@@ -248,8 +247,8 @@ fn ensembles_of_planes_against_alpha_blending() {
     assert!(list("opacities").iter().zip([0.4, 0.6]).all(|(a, b)| (a - b).abs() < 1e-6), "{analytic}");
     // 20 000 points on (2 / 1.8 · 32)² pixels.
     assert!(list("points_per_pixel").iter().all(|m| (m / 15.8 - 1.0).abs() < 0.05), "{analytic}");
-    let [red, blue] = [[230.0f32, 60.0, 50.0], [60.0, 180.0, 75.0]]
-        .map(|c| c.map(|v| pellucid_engine::color::decode_srgb(v / 255.0)));
+    let [red, blue] =
+        [[230.0f32, 60.0, 50.0], [60.0, 180.0, 75.0]].map(|c| c.map(|v| pellucid_core::color::decode_srgb(v / 255.0)));
     for (channel, color) in list("color").into_iter().enumerate() {
         let blended = f64::from(0.4 * red[channel] + 0.6 * 0.6 * blue[channel]);
         assert!((color - blended).abs() < 1e-5, "{channel}: {color} and not {blended}");

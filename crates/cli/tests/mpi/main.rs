@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use std::{env, fs};
 
-use pellucid_engine::scene::METHODS;
+use pellucid_scene::METHODS;
 use pellucid_testing::shader_cache;
 use serde_json::Value;
 use tempfile::TempDir;

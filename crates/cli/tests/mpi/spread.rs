@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::{Command, Output};
 
-use pellucid_engine::scene::METHODS;
+use pellucid_scene::METHODS;
 use serde_json::Value;
 use tempfile::TempDir;
 

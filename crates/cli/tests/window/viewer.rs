@@ -11,8 +11,8 @@ pub mod x11;
 use std::path::Path;
 
 use garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};
-use pellucid_engine::output::read_image;
-use pellucid_engine::scene::{Overrides, Scene};
+use pellucid_io::output::read_image;
+use pellucid_scene::{Overrides, Scene};
 use window::{Window, command};
 
 fn scene(folder: &Path, name: &str) -> Scene {

@@ -7,8 +7,8 @@ use std::time::Duration;
 use crate::viewer::display::Display;
 use crate::viewer::garden::with_display;
 use crate::viewer::window::{Window, command};
-use pellucid_engine::camera::path::CameraPath;
-use pellucid_engine::output::read_image;
+use pellucid_core::camera::path::CameraPath;
+use pellucid_io::output::read_image;
 
 /// The window, high enough for the panel to show the path.
 const WINDOW: &str = "720x890";

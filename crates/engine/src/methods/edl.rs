@@ -8,13 +8,13 @@
 //! The depth of a pixel is its Z where a method is opaque. Where it blends exactly it is the one at which half of the
 //! light or less is left, which lists of fragments give when they are gone through once more.
 //!
-//! Reference: [`crate::reference::edl`], and [`crate::reference::abuffer::median`].
+//! Reference: `pellucid_reference::edl`, and `pellucid_reference::abuffer::median`.
 
 use rayon::prelude::*;
 
 use super::{Error, Frame, Timeline};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Dispatch, Kept, Memory, Run};
+use crate::gpu::{Device, Dispatch, Memory, Run, Scratch};
 use crate::passes::bands::Budget;
 use crate::scene::Edl;
 use crate::{fields, gpu_struct, pass};
@@ -81,10 +81,10 @@ pub(crate) struct Surface<'a> {
 fields! {
     /// Buffers that are kept from frame to frame.
     pub(crate) struct EyeDomeLighting {
-        depths_host: Kept<f32> = Kept::new("depths to shade, host", Memory::Upload),
-        depths: Kept<f32> = Kept::new("depths to shade", Memory::Device),
-        factors: Kept<f32> = Kept::new("factors of shading", Memory::Device),
-        factors_host: Kept<f32> = Kept::new("factors of shading, host", Memory::Readback),
+        depths_host: Scratch<f32> = Scratch::new("depths to shade, host", Memory::Upload),
+        depths: Scratch<f32> = Scratch::new("depths to shade", Memory::Device),
+        factors: Scratch<f32> = Scratch::new("factors of shading", Memory::Device),
+        factors_host: Scratch<f32> = Scratch::new("factors of shading, host", Memory::Readback),
     }
 }
 

@@ -3,17 +3,17 @@
 use rayon::prelude::*;
 
 use super::Error;
-use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
+use crate::gpu::{Device, Memory, Recorder, Scratch, Slice};
 use crate::image::Image;
 use crate::passes::bands::{self, Window};
 use crate::{fields, group};
 
 /// The destination of a window's pixels.
 pub struct Target {
-    image: Kept<[f32; 4]>,
-    depths: Kept<f32>,
-    image_host: Kept<[f32; 4]>,
-    depths_host: Kept<f32>,
+    image: Scratch<[f32; 4]>,
+    depths: Scratch<f32>,
+    image_host: Scratch<[f32; 4]>,
+    depths_host: Scratch<f32>,
     /// `true` if colors of windows are not copied to the host.
     pub(super) keeps_colors: bool,
 }
@@ -21,10 +21,10 @@ pub struct Target {
 impl Target {
     pub(super) fn new() -> Self {
         Self {
-            image: Kept::new("image", Memory::Device),
-            depths: Kept::new("depths", Memory::Device),
-            image_host: Kept::new("image, host", Memory::Readback),
-            depths_host: Kept::new("depths, host", Memory::Readback),
+            image: Scratch::new("image", Memory::Device),
+            depths: Scratch::new("depths", Memory::Device),
+            image_host: Scratch::new("image, host", Memory::Readback),
+            depths_host: Scratch::new("depths, host", Memory::Readback),
             keeps_colors: false,
         }
     }
@@ -121,8 +121,8 @@ impl<'a> Pixels<'a> {
 fields! {
     /// Pixels of a window's solid points, which soft ones are drawn before, or of its nearest soft points.
     pub struct Layer {
-        image: Kept<[f32; 4]> = Kept::new("solid image", Memory::Device),
-        depths: Kept<f32> = Kept::new("solid depths", Memory::Device),
+        image: Scratch<[f32; 4]> = Scratch::new("solid image", Memory::Device),
+        depths: Scratch<f32> = Scratch::new("solid depths", Memory::Device),
     }
 }
 

@@ -1,20 +1,20 @@
 //! Values for each pixel that come to the host with the frame, so that nobody waits for a copy of their own.
 
 use super::Error;
-use crate::gpu::{Buffer, Device, GpuType, Kept, Memory, Recorder};
+use crate::gpu::{Buffer, Device, GpuType, Memory, Recorder, Scratch};
 
 /// Most bytes that come with a frame: those of 32 bits for each pixel of full HD. More come by a copy of their own.
 const MOST_BYTES: u64 = 8 << 20;
 
 /// The host's copy of the front of a buffer.
 pub(super) struct Told<T> {
-    host: Kept<T>,
+    host: Scratch<T>,
     len: u64,
 }
 
 impl<T: GpuType> Told<T> {
     pub fn new(name: &'static str) -> Self {
-        Self { host: Kept::new(name, Memory::Readback), len: 0 }
+        Self { host: Scratch::new(name, Memory::Readback), len: 0 }
     }
 
     /// Makes room for so many elements: none, if they are not wanted. The same, if they are too many.

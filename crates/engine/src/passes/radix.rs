@@ -6,7 +6,7 @@
 
 use super::scan::Scan;
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
 use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
@@ -91,8 +91,8 @@ impl Digits {
 fields! {
     /// Buffers of a sort, kept from frame to frame.
     pub struct Radix by device {
-        counts: Kept<u32> = Kept::new("digit counts", Memory::Device),
-        cursors: Kept<u32> = Kept::new("digit cursors", Memory::Device),
+        counts: Scratch<u32> = Scratch::new("digit counts", Memory::Device),
+        cursors: Scratch<u32> = Scratch::new("digit cursors", Memory::Device),
         scan: Option<Scan> = None,
         overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
     }

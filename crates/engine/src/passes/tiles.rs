@@ -6,7 +6,7 @@ use super::bands::Window;
 use super::project::{Bounds, DeviceCloud, Stats, View};
 use super::scan::Scan;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice};
 use crate::{fields, gpu_struct, pass};
 
 /// Large splats of a tile that one workgroup walks; `SEGMENT` in WGSL.
@@ -50,10 +50,10 @@ pub fn grid([x0, y0, x1, y1]: Window) -> [u32; 2] {
 fields! {
     /// Buffers of tiles, kept from frame to frame.
     pub struct Tiles by device {
-        pair_offsets: Kept<u32> = Kept::new("tile pair offsets", Memory::Device),
-        cursors: Kept<u32> = Kept::new("tile cursors", Memory::Device),
-        starts: Kept<u32> = Kept::new("tile starts", Memory::Device),
-        entries: Kept<u32> = Kept::new("tile entries", Memory::Device),
+        pair_offsets: Scratch<u32> = Scratch::new("tile pair offsets", Memory::Device),
+        cursors: Scratch<u32> = Scratch::new("tile cursors", Memory::Device),
+        starts: Scratch<u32> = Scratch::new("tile starts", Memory::Device),
+        entries: Scratch<u32> = Scratch::new("tile entries", Memory::Device),
         scan: Option<Scan> = None,
         overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
     }

@@ -1,13 +1,11 @@
 //! `abuffer`: every stage, then the image, against the float64 reference; hard cases with known answers.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
+use pellucid_core::camera::Camera;
 use pellucid_engine::methods::{Error, Frame, Renderer, abuffer};
-use pellucid_engine::reference;
-use pellucid_engine::scene::{
-    ColorSpace, DiscShape, Discs, Falloff, Light, LongLists, Method, Raster, Shading, ShadingModel,
-};
+use pellucid_gpu::Device;
+use pellucid_reference as reference;
+use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Light, LongLists, Method, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 
@@ -379,7 +377,7 @@ fn chunks_and_parts_change_no_byte() {
     let cases = [
         (Method::ABuffer(discs), 300_000),
         (Method::ABuffer(Discs { raster: Raster::Hardware, shape: DiscShape::Flat, ..discs }), 140_000),
-        (Method::Circles(pellucid_engine::scene::ScreenSplats::default()), 300_000),
+        (Method::Circles(pellucid_scene::ScreenSplats::default()), 300_000),
     ];
     for (method, count) in cases {
         let points = points(count);
@@ -423,7 +421,7 @@ fn moved_with_its_camera_the_image_stays() {
 
 #[test]
 fn hard_cameras_and_sizes_equal_the_reference() {
-    use pellucid_engine::camera::Projection::{Orthographic, Perspective};
+    use pellucid_core::camera::Projection::{Orthographic, Perspective};
     with_device(|device| {
         let eye = DVec3::new(0.3, 0.2, 3.0);
         let look =

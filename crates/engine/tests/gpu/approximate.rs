@@ -3,12 +3,12 @@
 //! over a tile.
 
 use glam::Vec3;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
+use pellucid_core::camera::Camera;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Mlab, Shading, ShadingModel};
+use pellucid_gpu::Device;
+use pellucid_reference::{self as reference, Picture};
+use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Mlab, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
@@ -49,7 +49,7 @@ fn reference(points: &Points, camera: &Camera, size: [u32; 2], method: &Method) 
 }
 
 #[track_caller]
-fn assert_equals(found: &pellucid_engine::image::Image, wanted: &Picture, bound: f64, what: &dyn std::fmt::Debug) {
+fn assert_equals(found: &pellucid_core::image::Image, wanted: &Picture, bound: f64, what: &dyn std::fmt::Debug) {
     let (largest, _) = difference(found, wanted, 0.0);
     assert!(largest < bound, "{what:?}: {largest}");
     assert_eq!(found.fragments.as_deref(), Some(&wanted.counts[..]), "{what:?}");
@@ -174,7 +174,7 @@ fn crossing_discs_are_composed_by_their_depths_in_each_pixel() {
 }
 
 /// Largest difference of two images.
-fn apart(a: &pellucid_engine::image::Image, b: &pellucid_engine::image::Image) -> f32 {
+fn apart(a: &pellucid_core::image::Image, b: &pellucid_core::image::Image) -> f32 {
     assert_eq!(a.depth, b.depth);
     let pairs = a.rgba.iter().flatten().zip(b.rgba.iter().flatten());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)

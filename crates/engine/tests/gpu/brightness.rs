@@ -1,15 +1,15 @@
 //! Brightening of thinned-out images on the device: by a factor that is given, and by one that is found.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::brightness::{Applied, End, apply, factor};
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::ensembles::{Dealt, deal};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Brightness, ColorSpace, Discs, Method, Spbr, SpbrSimplified};
+use pellucid_gpu::Device;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::ensembles::{Dealt, deal};
+use pellucid_scene::{Brightness, ColorSpace, Discs, Method, Spbr, SpbrSimplified};
 use pellucid_testing::{frame, orthographic, random, render, with_device};
 use rand::RngExt;
 

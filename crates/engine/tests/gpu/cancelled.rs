@@ -4,13 +4,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use pellucid_engine::gpu::{self, Device};
+use pellucid_core::points::Points;
+use pellucid_core::progress::{Observer, Progress};
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{Arranged, ensembles, order};
-use pellucid_engine::progress::{Observer, Progress};
-use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
+use pellucid_gpu::{self as gpu, Device};
+use pellucid_scene::prepare::{Arranged, ensembles, order};
+use pellucid_scene::{Light, Method, Shading, ShadingModel, Shadows};
 use pellucid_testing::*;
 
 /// Counts the questions of a renderer, and answers with yes from one of them on.

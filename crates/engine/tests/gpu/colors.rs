@@ -1,12 +1,12 @@
 //! Colors that stay on the device are those that come to the host, and come there where the device has not all of them.
 
-use pellucid_engine::gpu::Device;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::ensembles::deal;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Edl, Method, Shading};
+use pellucid_gpu::Device;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::ensembles::deal;
+use pellucid_scene::{Edl, Method, Shading};
 use pellucid_testing::*;
 
 const SIZE: [u32; 2] = [64, 40];

@@ -4,15 +4,15 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer, deep};
-use pellucid_engine::output::deep::{Sample, State};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::range::ROUNDING;
-use pellucid_engine::scene::{Density, DiscShape, Discs, GaussianSettings, Kernel, Method, Order, Peel, Shells, Soft};
+use pellucid_gpu::Device;
+use pellucid_io::output::deep::{Sample, State};
+use pellucid_reference::range::ROUNDING;
+use pellucid_scene::prepare::order;
+use pellucid_scene::{Density, DiscShape, Discs, GaussianSettings, Kernel, Method, Order, Peel, Shells, Soft};
 use pellucid_testing::gaussians::Soup;
 use pellucid_testing::*;
 use rand::seq::SliceRandom;

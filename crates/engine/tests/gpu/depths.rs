@@ -2,13 +2,13 @@
 //! method and budget, and at no cost where nobody asks. Medians of discs are also in `edl`, Gaussians in `gaussians`.
 
 use glam::Vec3;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::abuffer::{self, Fragment};
-use pellucid_engine::reference::range::ROUNDING;
-use pellucid_engine::scene::{DiscShape, Discs, Edl, LongLists, Method, Peel, Shading};
+use pellucid_gpu::Device;
+use pellucid_reference::abuffer::{self, Fragment};
+use pellucid_reference::range::ROUNDING;
+use pellucid_scene::{DiscShape, Discs, Edl, LongLists, Method, Peel, Shading};
 use pellucid_testing::*;
 
 fn asked(frame: &Frame) -> Frame {

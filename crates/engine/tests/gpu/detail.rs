@@ -3,22 +3,24 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
-use pellucid_engine::io::store::build::Settings;
+use pellucid_core::cloud::UpAxis;
+use pellucid_core::image::Image;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer, Upload};
-use pellucid_engine::prepare::{self, Arranged, Request};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::stored::{Stored, open_stores};
-use pellucid_engine::scene::{self, Detail, Discs, Light, Method, Scene, ScreenSplats, Shading, ShadingModel, Shadows};
+use pellucid_gpu::Device;
+use pellucid_io::store::build::Settings;
+use pellucid_scene::prepare::{self, Arranged, Request};
+use pellucid_scene::stored::{Stored, open_stores};
+use pellucid_scene::{
+    self as scene, Detail, Discs, Light, Method, Scene, ScreenSplats, Shading, ShadingModel, Shadows,
+};
 use pellucid_testing::{bits, by_windows, frame, perspective, scene as points_of, soup, with_device};
 
 /// Points of a cloud of the tests with radii, as a store whose nodes have few points; and the same in memory.
 fn both(folder: &Path) -> (Scene, Arranged, Stored) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/models/turbine_blade_6k.ply");
     let hidden = Progress::hidden();
-    let input = [pellucid_engine::io::store::open(&file, Default::default(), &hidden).unwrap()];
+    let input = [pellucid_io::store::open(&file, Default::default(), &hidden).unwrap()];
     let target = folder.join("store");
     let settings = Settings { node_points: 200, host_memory: 4 << 20 };
     let request = Request { radii: true, ..Request::default() };

@@ -3,16 +3,16 @@
 //! nothing is a Gaussian.
 
 use glam::{DVec3, Quat, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::camera::Projection::Orthographic;
-use pellucid_engine::cloud::gaussians::{Gaussians, REACH};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::camera::Projection::Orthographic;
+use pellucid_core::cloud::gaussians::{Gaussians, REACH};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{ColorSpace, Discs, GaussianSettings, Hybrid, LongLists, Method, Order, Peel, Shading};
+use pellucid_gpu::Device;
+use pellucid_reference::{self as reference, Picture};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{ColorSpace, Discs, GaussianSettings, Hybrid, LongLists, Method, Order, Peel, Shading};
 use pellucid_testing::gaussians::Soup;
 use pellucid_testing::*;
 

@@ -2,12 +2,12 @@
 //! bytes however the image is cut.
 
 use glam::Vec3;
-use pellucid_engine::gpu::Device;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference;
-use pellucid_engine::reference::range::ROUNDING;
-use pellucid_engine::scene::{ColorSpace, Edl, ImageSpace, Method, Shading};
+use pellucid_gpu::Device;
+use pellucid_reference as reference;
+use pellucid_reference::range::ROUNDING;
+use pellucid_scene::{ColorSpace, Edl, ImageSpace, Method, Shading};
 use pellucid_testing::*;
 
 const PASS: &str = "shading/edl";

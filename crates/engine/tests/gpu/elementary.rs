@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::scene::{ColorSpace, Discs, Falloff, Method};
+use pellucid_scene::{ColorSpace, Discs, Falloff, Method};
 use pellucid_testing::{P, at_pixel, frame, pixel_camera, render, scene, with_device};
 
 #[test]

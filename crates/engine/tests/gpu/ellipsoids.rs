@@ -2,17 +2,17 @@
 //! leave, surfaces among them, the same bytes by slots and linked lists, and by shuffles, windows and budgets.
 
 use glam::{DVec3, Quat, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::camera::Projection::{Orthographic, Perspective};
-use pellucid_engine::cloud::gaussians::Gaussians;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::camera::Projection::{Orthographic, Perspective};
+use pellucid_core::cloud::gaussians::Gaussians;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::gaussians::{self, PossibleChord, ellipsoid};
-use pellucid_engine::reference::range::{ROUNDING, Range};
-use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{
+use pellucid_reference::gaussians::{self, PossibleChord, ellipsoid};
+use pellucid_reference::range::{ROUNDING, Range};
+use pellucid_reference::{self as reference, Picture};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{
     ColorSpace, Discs, GaussianSettings, Kernel, LongLists, Method, Peel, Raster, Shading, Stochastic,
 };
 use pellucid_testing::gaussians::Soup;

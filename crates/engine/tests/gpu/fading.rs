@@ -6,19 +6,19 @@
 //! with: depths and opacities of float32. How much a pixel changes with these, the reference says itself.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::abuffer::{Composite, Fragment, composite, lists};
-use pellucid_engine::reference::approximate::hybrid_before;
-use pellucid_engine::reference::moments::{moments, optical_depth};
-use pellucid_engine::reference::range::ROUNDING;
-use pellucid_engine::reference::wavelet::wavelet;
-use pellucid_engine::reference::{Picture, approximate, gaussians, shading};
-use pellucid_engine::scene::{
+use pellucid_gpu::Device;
+use pellucid_reference::abuffer::{Composite, Fragment, composite, lists};
+use pellucid_reference::approximate::hybrid_before;
+use pellucid_reference::moments::{moments, optical_depth};
+use pellucid_reference::range::ROUNDING;
+use pellucid_reference::wavelet::wavelet;
+use pellucid_reference::{Picture, approximate, gaussians, shading};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{
     ColorSpace, DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Method, MomentCount, Moments, Order, Shading,
     Tail, Wavelet,
 };

@@ -2,18 +2,18 @@
 //! same bytes by every exact method, and by shuffles, windows and budgets.
 
 use glam::{DVec3, Quat, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::camera::Projection::{Orthographic, Perspective};
-use pellucid_engine::cloud::gaussians::{Gaussians, REACH};
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::camera::Projection::{Orthographic, Perspective};
+use pellucid_core::cloud::gaussians::{Gaussians, REACH};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::abuffer::Fragment;
-use pellucid_engine::reference::gaussians::{self, Possible};
-use pellucid_engine::reference::range::ROUNDING;
-use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{
+use pellucid_reference::abuffer::Fragment;
+use pellucid_reference::gaussians::{self, Possible};
+use pellucid_reference::range::ROUNDING;
+use pellucid_reference::{self as reference, Picture};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{
     ColorSpace, Discs, GaussianSettings, Hybrid, Kernel, Method, Mlab, Order, Peel, Raster, Shading, Stochastic,
 };
 use pellucid_testing::gaussians::Soup;

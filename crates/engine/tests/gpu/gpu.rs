@@ -1,9 +1,9 @@
 //! The device layer through its public interface: memory, errors, recorder, caches, validation.
 
 use glam::Vec3;
-use pellucid_engine::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
 use pellucid_engine::passes::scan::{self, Scan, ScanPush};
-use pellucid_engine::scene::{Discs, Method};
+use pellucid_gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
+use pellucid_scene::{Discs, Method};
 use pellucid_testing::{
     P, alone, at_pixel, frame, pixel_camera, render, scene, with_device, with_new_device, with_only_device,
 };

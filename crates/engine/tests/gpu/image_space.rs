@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::reference;
-use pellucid_engine::reference::range::{PictureRange, ROUNDING};
-use pellucid_engine::scene::{
-    self, ColorSpace, Edl, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel,
+use pellucid_gpu::Device;
+use pellucid_reference as reference;
+use pellucid_reference::range::{PictureRange, ROUNDING};
+use pellucid_scene::prepare;
+use pellucid_scene::{
+    self as scene, ColorSpace, Edl, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel,
 };
 use pellucid_testing::*;
 use rand::RngExt;

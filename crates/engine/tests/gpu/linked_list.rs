@@ -2,10 +2,10 @@
 //! `abuffer`'s.
 
 use glam::Vec3;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference;
-use pellucid_engine::scene::{DiscShape, Discs, LongLists, Method};
+use pellucid_reference as reference;
+use pellucid_scene::{DiscShape, Discs, LongLists, Method};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 

@@ -2,16 +2,16 @@
 //! bytes whatever the order of input and the cut of the image.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::coverage::Shape;
-use pellucid_engine::reference::range::{PictureRange, ROUNDING};
-use pellucid_engine::reference::{self, one_layer, splats};
-use pellucid_engine::scene::{BlendedSplats, ColorSpace, Method, OneLayer, Shading, ShadingModel};
+use pellucid_gpu::Device;
+use pellucid_reference::coverage::Shape;
+use pellucid_reference::range::{PictureRange, ROUNDING};
+use pellucid_reference::{self as reference, one_layer, splats};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{BlendedSplats, ColorSpace, Method, OneLayer, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;

@@ -5,15 +5,15 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::spbr::Form;
 use pellucid_engine::methods::{DrawnPart, Error, Frame, PartError, Renderer, SamplePart, SampleSteps};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::ensembles::Dealt;
-use pellucid_engine::scene::{
+use pellucid_gpu::Device;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::ensembles::Dealt;
+use pellucid_scene::{
     DiscShape, Discs, Light, Method, Raster, Shading, ShadingModel, Spbr, SpbrSimplified, Stochastic,
 };
 use pellucid_testing::*;

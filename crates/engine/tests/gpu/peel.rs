@@ -1,11 +1,11 @@
 //! `peel` against the float64 reference and, byte by byte, against `abuffer`; hard cases with known answers.
 
 use glam::Vec3;
-use pellucid_engine::gpu::Device;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference;
-use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Peel, Raster, Shading, ShadingModel};
+use pellucid_gpu::Device;
+use pellucid_reference as reference;
+use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Peel, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 

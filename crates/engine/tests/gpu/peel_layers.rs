@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::Device;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::reference;
-use pellucid_engine::reference::range::{PictureRange, ROUNDING};
-use pellucid_engine::scene::{
-    self, ColorSpace, ImageSpace, Method, Overrides, PeelLayers, Scene, Shading, ShadingModel, procedural,
+use pellucid_gpu::Device;
+use pellucid_reference as reference;
+use pellucid_reference::range::{PictureRange, ROUNDING};
+use pellucid_scene::{
+    self as scene, ColorSpace, ImageSpace, Method, Overrides, PeelLayers, Scene, Shading, ShadingModel, procedural,
 };
 use pellucid_testing::*;
 use rand::seq::SliceRandom;

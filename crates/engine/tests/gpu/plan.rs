@@ -1,10 +1,10 @@
 //! The frame plan: the method that `auto` stands for, and facts that are surveyed without rendering.
 
 use glam::{DVec3, Vec3};
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Facts, Renderer};
 use pellucid_engine::plan::{plan, resolve};
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{
+use pellucid_scene::{
     BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, MethodChoice, Mlab, Moments, OneLayer,
     Peel, PeelLayers, Raster, ScreenSplats, Soft, Stochastic, Wavelet,
 };

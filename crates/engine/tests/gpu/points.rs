@@ -3,11 +3,11 @@
 //! `crates/engine/tests/gpu/splat.rs`.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::Device;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{ColorSpace, Light, Method, Raster, ScreenSplats, Shading, ShadingModel};
+use pellucid_gpu::Device;
+use pellucid_scene::{ColorSpace, Light, Method, Raster, ScreenSplats, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
 

@@ -1,8 +1,8 @@
 //! The radix sort on the device against a stable sort on the host: integers, so exactly.
 
-use pellucid_engine::gpu::{Device, DeviceOptions, Dispatch, Memory, Preferences, Run};
 use pellucid_engine::passes::radix::{self, Radix, RadixPush};
 use pellucid_engine::passes::scan::Scan;
+use pellucid_gpu::{Device, DeviceOptions, Dispatch, Memory, Preferences, Run};
 use pellucid_testing::{alone, random, with_device_that_prefers};
 use rand::RngExt;
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::bands::Window;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Discs, Edl, Method, Shading};
+use pellucid_scene::{Discs, Edl, Method, Shading};
 use pellucid_testing::{bits, by_windows, frame, perspective, scene, soup, with_device};
 
 const SIZE: [u32; 2] = [160, 112];

@@ -1,8 +1,8 @@
 //! Prefix sums on the device against the float64 reference's u64 sums: integers, so exactly.
 
-use pellucid_engine::gpu::{Device, Memory, Preferences};
 use pellucid_engine::passes::scan::Scan;
-use pellucid_engine::reference;
+use pellucid_gpu::{Device, Memory, Preferences};
+use pellucid_reference as reference;
 use pellucid_testing::{random, with_device_that_prefers};
 use rand::RngExt;
 

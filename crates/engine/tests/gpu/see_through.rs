@@ -3,7 +3,7 @@
 use glam::Vec3;
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::methods::see_through::{TOLERANCE, find, median_transmittance};
-use pellucid_engine::scene::{Discs, Method, Peel, Stochastic};
+use pellucid_scene::{Discs, Method, Peel, Stochastic};
 use pellucid_testing::{P, at_pixel, frame, pixel_camera, scene, with_device};
 
 const SIZE: [u32; 2] = [32, 24];

@@ -2,10 +2,12 @@
 
 use std::collections::{BTreeSet, HashSet};
 
-use pellucid_engine::gpu::shader::{self, Shader, ShaderStage, WORKGROUP};
-use pellucid_engine::gpu::{Pass, Variant};
 use pellucid_engine::passes::scan;
-use pellucid_engine::{SHADERS, gpu, gpu_struct, pass};
+use pellucid_engine::{SHADERS, pass};
+use pellucid_gpu as gpu;
+use pellucid_gpu::gpu_struct;
+use pellucid_gpu::shader::{self, Shader, ShaderStage, WORKGROUP};
+use pellucid_gpu::{Pass, Variant};
 
 /// The vertex shader of every pass that draws, which no pass names.
 const QUAD: &str = "raster/quad.vert";

@@ -3,14 +3,14 @@
 //! `crates/engine/tests/gpu/shadows.rs`.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::gpu::Device;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::plan::plan;
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::range::ROUNDING;
-use pellucid_engine::reference::shadows::{Frames, share_ranges};
-use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
+use pellucid_gpu::Device;
+use pellucid_reference::range::ROUNDING;
+use pellucid_reference::shadows::{Frames, share_ranges};
+use pellucid_scene::{Light, Method, Shading, ShadingModel, Shadows};
 use pellucid_testing::*;
 
 const SUN: Light = Light::Direction(DVec3::new(0.5, -1.0, -0.4));

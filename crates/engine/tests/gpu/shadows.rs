@@ -5,16 +5,16 @@
 //! plane: it casts its shadow unseen.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference;
-use pellucid_engine::reference::range::{ROUNDING, Range};
-use pellucid_engine::reference::shadows::Frames;
-use pellucid_engine::scene::{
+use pellucid_gpu::Device;
+use pellucid_reference as reference;
+use pellucid_reference::range::{ROUNDING, Range};
+use pellucid_reference::shadows::Frames;
+use pellucid_scene::{
     BlendedSplats, Discs, ImageSpace, Interpolated, Light, Method, PeelLayers, ScreenSplats, Shading, ShadingModel,
     Shadows,
 };

@@ -2,15 +2,15 @@
 //! not show.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::shading::shade;
-use pellucid_engine::reference::soft::{self, Behind, Model};
-use pellucid_engine::scene::{Density, Method, Shells, Soft, SoftLayout, SoftMethod};
+use pellucid_gpu::Device;
+use pellucid_reference::shading::shade;
+use pellucid_reference::soft::{self, Behind, Model};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{Density, Method, Shells, Soft, SoftLayout, SoftMethod};
 use pellucid_testing::*;
 use rand::RngExt;
 

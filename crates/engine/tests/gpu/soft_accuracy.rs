@@ -3,16 +3,16 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::coverage::{Shape, margin_px};
-use pellucid_engine::reference::soft::{Behind, Model, Ray, Scene};
-use pellucid_engine::reference::{Picture, splats};
-use pellucid_engine::scene::{BlendedSplats, Density, Method, Shells, Soft};
+use pellucid_gpu::Device;
+use pellucid_reference::coverage::{Shape, margin_px};
+use pellucid_reference::soft::{Behind, Model, Ray, Scene};
+use pellucid_reference::{Picture, splats};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{BlendedSplats, Density, Method, Shells, Soft};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;

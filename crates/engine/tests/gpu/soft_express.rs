@@ -2,17 +2,17 @@
 //! elsewhere; against the bytes of `sorted`; modulation; what solid points hide; whatever must not show.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::camera::Projection::{Orthographic, Perspective};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::camera::Projection::{Orthographic, Perspective};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::axes::Axis;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::reference::{self, Picture, coverage};
-use pellucid_engine::scene::{Density, DiscShape, Discs, Method, Soft};
+use pellucid_gpu::Device;
+use pellucid_reference::soft::{Behind, Model, Scene};
+use pellucid_reference::{self as reference, Picture, coverage};
+use pellucid_scene::prepare::axes::Axis;
+use pellucid_scene::prepare::order;
+use pellucid_scene::{Density, DiscShape, Discs, Method, Soft};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;

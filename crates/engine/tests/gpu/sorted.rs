@@ -2,15 +2,15 @@
 //! is off where discs cross; what it leaves out at the back; how windows are cut.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::camera::Projection::{Orthographic, Perspective};
-use pellucid_engine::color::{encode_srgb, encode_srgb_f64};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::camera::Projection::{Orthographic, Perspective};
+use pellucid_core::color::{encode_srgb, encode_srgb_f64};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer, Stop};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference;
-use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading, ShadingModel};
+use pellucid_gpu::Device;
+use pellucid_reference as reference;
+use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;

@@ -4,18 +4,18 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::spbr::Form;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan::plan;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::ensembles::{Dealt, Surface};
-use pellucid_engine::reference::range::ROUNDING;
-use pellucid_engine::reference::spbr::{self as reference, Ranges};
-use pellucid_engine::scene::{ColorSpace, Light, Method, Shading, ShadingModel, Spbr, SpbrSimplified};
+use pellucid_gpu::Device;
+use pellucid_reference::range::ROUNDING;
+use pellucid_reference::spbr::{self as reference, Ranges};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::{ColorSpace, Light, Method, Shading, ShadingModel, Spbr, SpbrSimplified};
 use pellucid_testing::*;
 use rand::RngExt;
 

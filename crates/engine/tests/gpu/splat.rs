@@ -2,12 +2,12 @@
 //! atomics.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::{self, coverage::Shape};
-use pellucid_engine::scene::{Interpolated, Method, Raster, ScreenSplats, SplatShape};
+use pellucid_gpu::Device;
+use pellucid_reference::{self as reference, coverage::Shape};
+use pellucid_scene::{Interpolated, Method, Raster, ScreenSplats, SplatShape};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 
@@ -108,7 +108,7 @@ fn shuffled_input_changes_no_byte_although_depths_tie() {
         for p in &mut points {
             p.position.z = (p.position.z * 2.0).round() / 2.0;
         }
-        let camera = pellucid_engine::camera::Camera { eye: DVec3::new(0.0, 0.0, 4.0), ..straight() };
+        let camera = pellucid_core::camera::Camera { eye: DVec3::new(0.0, 0.0, 4.0), ..straight() };
         for (method, _, _) in METHODS {
             let frame = frame(camera, [100, 100], method);
             let first = bits(&render_both(device, &scene(&points), &frame));
@@ -118,8 +118,8 @@ fn shuffled_input_changes_no_byte_although_depths_tie() {
     });
 }
 
-fn straight() -> pellucid_engine::camera::Camera {
-    use pellucid_engine::camera::{Camera, Projection::Orthographic};
+fn straight() -> pellucid_core::camera::Camera {
+    use pellucid_core::camera::{Camera, Projection::Orthographic};
     Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, Orthographic { height: 2.5 }, 0.1, 100.0).expect("valid")
 }
 

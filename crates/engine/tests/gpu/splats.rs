@@ -2,14 +2,14 @@
 //! input, the cut of the image and the runs over a tile.
 
 use glam::Vec3;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Factors, Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::coverage::Shape;
-use pellucid_engine::reference::range::{PictureRange, ROUNDING};
-use pellucid_engine::reference::{self, splats};
-use pellucid_engine::scene::{BlendedSplats, ColorSpace, Method, ScreenSplats, Shading, ShadingModel, SplatShape};
+use pellucid_gpu::Device;
+use pellucid_reference::coverage::Shape;
+use pellucid_reference::range::{PictureRange, ROUNDING};
+use pellucid_reference::{self as reference, splats};
+use pellucid_scene::{BlendedSplats, ColorSpace, Method, ScreenSplats, Shading, ShadingModel, SplatShape};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 

@@ -2,17 +2,17 @@
 //! over seeds against the exact image; how the error falls; what the standard error says; same input, same bytes.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
+use pellucid_core::random::{mask, word};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::random::{mask, word};
-use pellucid_engine::reference::abuffer::{Fragment, depth_margin, lists};
-use pellucid_engine::reference::stochastic::render_with;
-use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{DiscShape, Discs, Falloff, Method, Stochastic};
+use pellucid_gpu::Device;
+use pellucid_reference::abuffer::{Fragment, depth_margin, lists};
+use pellucid_reference::stochastic::render_with;
+use pellucid_reference::{self as reference, Picture};
+use pellucid_scene::{DiscShape, Discs, Falloff, Method, Stochastic};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;

@@ -1,13 +1,13 @@
 //! `stochastic` by multisampled rasterization, against the float64 reference and against the compute way.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{DiscShape, Discs, Falloff, Method, Raster, Stochastic};
+use pellucid_gpu::Device;
+use pellucid_reference::{self as reference, Picture};
+use pellucid_scene::{DiscShape, Discs, Falloff, Method, Raster, Stochastic};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Quat, Vec3};
-use pellucid_engine::cloud::gaussians::{Gaussians, coefficients, linear};
-use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::io::store::build::Settings;
-use pellucid_engine::io::store::{Held, Store};
+use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear};
+use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
-use pellucid_engine::prepare::{self, Arranged, Request};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::stored::{Stored, open_stores};
-use pellucid_engine::scene::{self, Method, Overrides, Scene};
+use pellucid_gpu::Device;
+use pellucid_io::store::build::Settings;
+use pellucid_io::store::{Held, Store};
+use pellucid_scene::prepare::{self, Arranged, Request};
+use pellucid_scene::stored::{Stored, open_stores};
+use pellucid_scene::{self as scene, Method, Overrides, Scene};
 use pellucid_testing::{bits, by_windows, random, with_device};
 use rand::RngExt;
 
@@ -212,7 +212,7 @@ fn the_picture_of_a_store_is_that_of_the_file_that_it_was_made_of() {
     for name in ["soup.sog", "soup.ply", "soup-v4.spz", "soup.compressed.ply", "soup.glb", "soup-mode2.ksplat"] {
         let (folder, file) = (tempfile::tempdir().unwrap(), soups.join(name));
         let target = folder.path().join("store");
-        let input = [pellucid_engine::io::store::open(&file, Default::default(), &hidden).unwrap()];
+        let input = [pellucid_io::store::open(&file, Default::default(), &hidden).unwrap()];
         prepare::store::prepare(&input, &target, &Request::default(), &TIGHT, &hidden).unwrap();
         let scene = |path: &Path, method: &str| {
             let mut overrides = Overrides::default();

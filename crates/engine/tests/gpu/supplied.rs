@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
+use pellucid_scene::{Light, Method, Shading, ShadingModel, Shadows};
 use pellucid_testing::{bits, by_windows, frame, perspective, scene, soup, with_device};
 
 /// Points with normals and fields: many times as many as come at a time.

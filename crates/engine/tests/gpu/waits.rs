@@ -1,14 +1,14 @@
 //! How often the host waits for the device, and frames whose counts are foreseen: their bytes are those of frames that
 //! wait.
 
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::{Buffer, Device, Dispatch, Memory, Run};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer};
 use pellucid_engine::passes::scan::{ScanPush, Spread, spread_variant};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{Arranged, ensembles, order};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::Method;
+use pellucid_gpu::{Buffer, Device, Dispatch, Memory, Run};
+use pellucid_scene::Method;
+use pellucid_scene::prepare::{Arranged, ensembles, order};
 use pellucid_testing::{frame, perspective, scene, soup, with_device, with_only_device};
 
 /// Points with normals, every other one soft; some are so large that tiles list them.

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Method, Overrides, Scene, Spbr, assemble};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{self as scene, Method, Overrides, Scene, Spbr, assemble};
 use pellucid_testing::picked;
 
 /// A grid of 9 x 9 x 9 whole coordinates from -4 to 4, so that borders go through points.

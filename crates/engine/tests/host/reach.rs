@@ -1,12 +1,12 @@
 //! Gaussians of a window: it takes all that have a fragment in it.
 
 use glam::DVec3;
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::cloud::Bounds;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::cloud::Bounds;
 use pellucid_engine::passes::project::{Beam, Extent};
-use pellucid_engine::reference::gaussians::{footprint, gaussian};
-use pellucid_engine::scene::{GaussianSettings, Kernel, Order};
-use pellucid_engine::supply::Block;
+use pellucid_reference::gaussians::{footprint, gaussian};
+use pellucid_scene::supply::Block;
+use pellucid_scene::{GaussianSettings, Kernel, Order};
 use pellucid_testing::gaussians::Soup;
 
 #[test]

@@ -1,8 +1,8 @@
 //! What settings of soft spheres mean, against the reference.
 
 use pellucid_engine::methods::soft::SoftModel;
-use pellucid_engine::reference::soft::Strength;
-use pellucid_engine::scene::{Density, Method, Soft};
+use pellucid_reference::soft::Strength;
+use pellucid_scene::{Density, Method, Soft};
 
 #[test]
 fn the_strength_of_soft_spheres_is_that_of_the_reference() {

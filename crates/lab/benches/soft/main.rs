@@ -32,10 +32,10 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::scene::Method;
+use pellucid_gpu::{Device, DeviceOptions};
+use pellucid_scene::Method;
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -63,7 +63,7 @@ fn run(args: &Args) -> Result<()> {
     let device = Device::open(&DeviceOptions::from_env())?;
     let machine = format!("{} ({}), pellucid {}", device.info().name, device.info().driver, env!("CARGO_PKG_VERSION"));
     println!("{machine}");
-    let failed = |source| pellucid_engine::output::Error::Write { path: args.output.clone(), source };
+    let failed = |source| pellucid_io::output::Error::Write { path: args.output.clone(), source };
     std::fs::create_dir_all(&args.output).map_err(failed)?;
     let mut rows = Vec::new();
     for (number, scene) in scenes::all(&args.inputs).enumerate() {
@@ -82,7 +82,7 @@ fn run(args: &Args) -> Result<()> {
 /// Writes a file of the report.
 fn write(folder: &Path, name: &str, text: &str) -> Result<()> {
     let path = folder.join(name);
-    Ok(std::fs::write(&path, text).map_err(|source| pellucid_engine::output::Error::Write { path, source })?)
+    Ok(std::fs::write(&path, text).map_err(|source| pellucid_io::output::Error::Write { path, source })?)
 }
 
 /// A renderer that keeps the buffers of one method, and that method.

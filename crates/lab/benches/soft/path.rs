@@ -5,12 +5,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glam::DVec3;
+use pellucid_core::camera::{Camera, Projection};
 use pellucid_engine::Result;
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::scene::{BlendedSplats, Method};
+use pellucid_gpu::Device;
 use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series};
+use pellucid_scene::{BlendedSplats, Method};
 
 use super::scenes::Subject;
 use super::{Contender, gpu_ms};
@@ -102,5 +102,5 @@ fn figure(names: &[&str], places: &[Place], label: &'static str, value: impl Fn(
 }
 
 fn svg(figure: &Figure) -> Result<String> {
-    Ok(figure.svg().map_err(|error| pellucid_engine::output::Error::Report { reason: error.to_string() })?)
+    Ok(figure.svg().map_err(|error| pellucid_io::output::Error::Report { reason: error.to_string() })?)
 }

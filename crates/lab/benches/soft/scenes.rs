@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use pellucid_core::cloud::Cloud;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::cloud::Cloud;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::points::Points;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Method, OneLayer, Overrides, Scene, Soft, procedural};
+use pellucid_scene::{self as scene, Method, OneLayer, Overrides, Scene, Soft, procedural};
 
 /// Name, keys of the scene file.
 type Builtin = (&'static str, &'static [(&'static str, &'static str)]);

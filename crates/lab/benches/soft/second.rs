@@ -5,11 +5,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Factors, Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::scene::{Density, Method, Soft};
+use pellucid_gpu::Device;
 use pellucid_lab::report::stress::Spread;
+use pellucid_scene::{Density, Method, Soft};
 
 use super::Contender;
 use super::scenes::Subject;

@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::Renderer;
-use pellucid_engine::scene::{BlendedSplats, Method};
+use pellucid_gpu::Device;
 use pellucid_lab::report::stress::Spread;
+use pellucid_scene::{BlendedSplats, Method};
 
 use super::scenes::Subject;
 use super::{Contender, gpu_ms};

@@ -7,8 +7,8 @@ use super::lists::{approximations, exact};
 use super::naive::{half, over, over_until, weighted};
 use super::stage::{COMPENSATED, Dot, HALF_ULP, apart, composed, dot, fragments, graded};
 use super::{Case, CaseResult, Finding, Stage, each, joined};
-use pellucid_engine::reference::approximate;
-use pellucid_engine::scene::{Discs, Hybrid, Method};
+use pellucid_reference::approximate;
+use pellucid_scene::{Discs, Hybrid, Method};
 
 /// Color that has no exact float32.
 const COLOR: Vec3 = Vec3::new(0.1, 0.2, 0.7);

@@ -9,9 +9,9 @@ use super::stage::{
     Dot, HALF_ULP, at, cloud, colors_of, composed, dot, graded, mixed, perspective, pixels, pixels_apart,
 };
 use super::{Case, CaseResult, Finding, Stage, each, joined};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::reference::{abuffer, coverage};
-use pellucid_engine::scene::{DiscShape, Discs, Family, Method};
+use pellucid_core::camera::Camera;
+use pellucid_reference::{abuffer, coverage};
+use pellucid_scene::{DiscShape, Discs, Family, Method};
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();

@@ -1,15 +1,15 @@
 //! `[[clip]]`: no method draws what is cut off, and borders are kept.
 
 use glam::{DVec3, Vec3};
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::progress::Progress;
 
 use super::lists::with_samples;
 use super::stage::{frame, in_cube, perspective};
 use super::{Case, CaseResult, Finding, Stage, each, one};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::image::Image;
-use pellucid_engine::scene::{self, Method, Scene, Setting};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::image::Image;
+use pellucid_scene::{self as scene, Method, Scene, Setting};
 
 pub(super) fn cases() -> Vec<Case> {
     let about = "red points are cut off by a plane, green ones by nothing: the largest red of a pixel";

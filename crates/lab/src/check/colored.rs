@@ -2,15 +2,15 @@
 //! coordinates.
 
 use glam::{DVec3, Vec3};
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::progress::Progress;
 
 use super::lists::exact;
 use super::stage::{HALF_ULP, apart, at, composed, dot, frame, pixels};
 use super::{Case, CaseResult, Finding, Stage, each, one};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::scene::{self, Method, Scene};
+use pellucid_core::camera::Camera;
+use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_scene::{self as scene, Method, Scene};
 
 /// The first and the last entry of viridis, in sRGB.
 const FIRST: [f64; 3] = [0.267_004, 0.004_874, 0.329_415];

@@ -8,7 +8,7 @@ use super::lists::{except, of_families, tilted, with_samples, with_soft};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, frame, graded, mixed, pixels};
 use super::{Case, CaseResult, Finding, Lack, Stage, Verdict, each, joined, naive};
 use pellucid_engine::methods::Frame;
-use pellucid_engine::scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
+use pellucid_scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
 
 pub(super) fn cases() -> Vec<Case> {
     let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };

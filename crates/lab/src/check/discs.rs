@@ -6,7 +6,7 @@ use super::lists::{exact, with_peel};
 use super::naive::{gaussian, nearest, over, over_until};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, graded, pixels};
 use super::{Case, CaseResult, Finding, Stage, each, joined, one};
-use pellucid_engine::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
+use pellucid_scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
 
 /// Transmittance below half a step of 8 bits.
 pub(super) const SATURATED: f32 = 1.0 / 512.0;

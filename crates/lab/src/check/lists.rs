@@ -1,6 +1,6 @@
 //! The methods that a case is run for, by their properties: a new method of a family joins the cases of that family.
 
-use pellucid_engine::scene::{Family, Method, Setting, Soft};
+use pellucid_scene::{Family, Method, Setting, Soft};
 
 /// The methods of some families with their defaults, family after family.
 pub(super) fn of_families(families: &[Family]) -> Vec<Method> {

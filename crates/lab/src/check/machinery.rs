@@ -2,11 +2,11 @@
 
 use super::{Case, CaseResult, Finding, Stage, one};
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Memory;
 use pellucid_engine::methods::Error;
 use pellucid_engine::passes::radix::Radix;
 use pellucid_engine::passes::scan::Scan;
-use pellucid_engine::reference;
+use pellucid_gpu::Memory;
+use pellucid_reference as reference;
 
 pub(super) fn cases() -> Vec<Case> {
     let about = "prefix sums of zeros, ones, one large number and arbitrary numbers: wrong sums";

@@ -4,7 +4,7 @@
 use super::naive;
 use super::stage::{COLORS, Dot, HALF_ULP, at, composed, dot, pixels};
 use super::{Case, CaseResult, Finding, Stage, each, joined};
-use pellucid_engine::scene::{Method, Mlab};
+use pellucid_scene::{Method, Mlab};
 
 const NODES: u32 = 4;
 

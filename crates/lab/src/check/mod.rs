@@ -34,9 +34,9 @@ mod table;
 mod verdict;
 
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods;
-use pellucid_engine::scene::Method;
+use pellucid_gpu::Device;
+use pellucid_scene::Method;
 
 pub use document::document;
 pub use released::{Regression, regression, released, released_table};

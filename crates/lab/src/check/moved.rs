@@ -6,10 +6,10 @@ use glam::{DVec3, Vec3};
 use super::lists::{except, of_families, with_samples, with_soft};
 use super::stage::{Dot, HALF_ULP, bytes_apart, cloud, frame, in_cube, mixed, perspective, shifted};
 use super::{Case, CaseResult, Finding, Stage, each};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::image::Image;
-use pellucid_engine::scene::{Density, DiscShape, Discs, Family, ImageSpace, Method, PeelLayers, Shells, Soft};
+use pellucid_core::camera::Camera;
+use pellucid_core::image::Image;
 use pellucid_engine::{Error, Result};
+use pellucid_scene::{Density, DiscShape, Discs, Family, ImageSpace, Method, PeelLayers, Shells, Soft};
 
 const SIZE: [u32; 2] = [40, 30];
 /// d̃, whose default depends on the box of all points.

@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, ULP, apart, at, bytes_apart, cloud, colors_of, pixels, pixels_apart};
 use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
-use pellucid_engine::reference::coverage::Shape;
-use pellucid_engine::reference::splats;
-use pellucid_engine::scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
+use pellucid_reference::coverage::Shape;
+use pellucid_reference::splats;
+use pellucid_scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
 
 pub(super) fn cases() -> Vec<Case> {
     let plain = ScreenSplats::default();
@@ -97,7 +97,7 @@ fn ties(stage: &mut Stage, method: Method) -> CaseResult {
 
 fn nearest_wins(stage: &mut Stage, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 0.75, ..Dot::default() };
-    let camera = pellucid_engine::camera::Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
+    let camera = pellucid_core::camera::Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
     let dots = [dot(500_000.5, Vec3::X), dot(500_000.0, Vec3::Y), dot(500_001.0, Vec3::Z)];
     let found = stage.image(&dots, camera, [1, 1], method)?.rgba[0];
     // far (z - near) / (z (far - near)) in 24 bits, as a depth buffer has it: equal, and the first one stays.

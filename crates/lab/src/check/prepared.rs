@@ -4,16 +4,16 @@ use std::io::Write;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::progress::Progress;
 
 use super::stage::{Dot, HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
 use super::{Case, CaseResult, Finding, Stage, naive, one};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::image::Image;
-use pellucid_engine::io;
-use pellucid_engine::prepare::{radius, surface};
-use pellucid_engine::scene::{self, Discs, Method, Scene};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::image::Image;
+use pellucid_io as io;
+use pellucid_scene::prepare::{radius, surface};
+use pellucid_scene::{self as scene, Discs, Method, Scene};
 
 pub(super) fn cases() -> Vec<Case> {
     vec![

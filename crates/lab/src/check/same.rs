@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 
 /// The first value in which two images differ, and how many pixels do.
 #[derive(Debug, Clone, PartialEq)]

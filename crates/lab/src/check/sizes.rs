@@ -9,8 +9,8 @@ use super::lists::{exact, of_families, with_samples};
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, graded, pixels, pixels_apart};
 use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
-use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::scene::{
+use pellucid_reference::soft::{Behind, Model, Scene};
+use pellucid_scene::{
     BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, SoftMethod, Stochastic,
 };
 

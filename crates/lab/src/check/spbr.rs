@@ -8,13 +8,13 @@ use rand_pcg::Pcg64;
 
 use super::stage::{apart, at, frame, mean, pixels, variance};
 use super::{Case, CaseResult, Finding, Stage, each, joined, one};
+use pellucid_core::points::Points;
+use pellucid_core::random::threefry2x32;
 use pellucid_engine::Result;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::ensembles::{Dealt, Surface};
-use pellucid_engine::random::threefry2x32;
-use pellucid_engine::reference::spbr::slanted;
-use pellucid_engine::scene::{Method, Spbr, SpbrSimplified};
+use pellucid_reference::spbr::slanted;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::{Method, Spbr, SpbrSimplified};
 
 const SIZE: [u32; 2] = [64, 64];
 const PIXELS: f64 = 4096.0;

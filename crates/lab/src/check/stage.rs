@@ -2,14 +2,14 @@
 
 use glam::{DVec3, Vec3};
 
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{Arranged, order};
-use pellucid_engine::reference::abuffer::{Fragment, composite};
-use pellucid_engine::scene::Method;
+use pellucid_gpu::Device;
+use pellucid_reference::abuffer::{Fragment, composite};
+use pellucid_scene::Method;
+use pellucid_scene::prepare::{Arranged, order};
 
 /// Half a unit in the last place, relative: the largest error of a rounding to float32.
 pub const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;

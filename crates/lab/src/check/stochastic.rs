@@ -4,11 +4,11 @@ use glam::Vec3;
 
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, fragments, frame, mean, pixels, variance};
 use super::{Case, CaseResult, Finding, Stage, each, joined};
+use pellucid_core::random::word;
 use pellucid_engine::Result;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::random::word;
-use pellucid_engine::reference::stochastic::{estimate, strata};
-use pellucid_engine::scene::{Method, Stochastic};
+use pellucid_reference::stochastic::{estimate, strata};
+use pellucid_scene::{Method, Stochastic};
 
 const SIZE: [u32; 2] = [32, 32];
 const PIXELS: f64 = 1024.0;

@@ -5,18 +5,18 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use pellucid_core::camera::Projection;
+use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Projection;
-use pellucid_engine::cloud::{Bounds, Cloud, UpAxis};
-use pellucid_engine::image::Image;
-use pellucid_engine::io;
-use pellucid_engine::io::store::{Node, Piece, Store, Summary};
 use pellucid_engine::methods::Frame;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::stored::{OpenStore, Stored};
-use pellucid_engine::scene::{self, Method, Scene};
+use pellucid_io as io;
+use pellucid_io::store::{Node, Piece, Store, Summary};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::stored::{OpenStore, Stored};
+use pellucid_scene::{self as scene, Method, Scene};
 
 use super::stage::{frame, looking};
 use super::{Case, CaseResult, Finding, Stage, each, joined};

@@ -7,16 +7,16 @@
 mod clouds;
 
 use glam::DVec3;
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
 
 use super::stage;
-use pellucid_engine::camera::Projection;
+use pellucid_core::camera::Projection;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::{ensembles, order};
-use pellucid_engine::scene::{
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::{ensembles, order};
+use pellucid_scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, GaussianSettings, Hybrid, ImageSpace,
     Interpolated, Kernel, Light, LongLists, Method, MethodChoice, Mlab, MomentCount, Moments, OneLayer, Order, Peel,
     PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr, SpbrSimplified,
@@ -331,7 +331,7 @@ mod tests {
     use std::collections::HashSet;
 
     use super::*;
-    use pellucid_engine::scene::METHODS;
+    use pellucid_scene::METHODS;
 
     #[test]
     fn there_is_one_for_every_method_and_no_two_of_a_name() {

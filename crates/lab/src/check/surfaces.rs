@@ -6,10 +6,10 @@ use glam::Vec3;
 use super::naive::{self, bytes_apart as bytes_of, nearest, over, peel};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels, pixels_apart};
 use super::{Case, CaseResult, Finding, Stage, each, joined, one};
+use pellucid_core::image::Image;
 use pellucid_engine::Result;
-use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Frame, Rendered};
-use pellucid_engine::scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
+use pellucid_scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
 
 /// Settings without any filter.
 const PLAIN: ImageSpace = ImageSpace {

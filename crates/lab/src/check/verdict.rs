@@ -1,8 +1,8 @@
 //! The outcome of a case.
 
 use super::stage::apart;
-use pellucid_engine::gpu;
 use pellucid_engine::{Error, Result, methods};
+use pellucid_gpu as gpu;
 
 /// Error of the formula that one writes first, in the place of the case and in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]

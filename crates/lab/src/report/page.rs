@@ -5,7 +5,7 @@ use std::path::Path;
 
 use comfy_table::{CellAlignment, presets};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use pellucid_engine::output::{self, Files};
+use pellucid_io::output::{self, Files};
 
 use super::plot::Figure;
 use super::unique;

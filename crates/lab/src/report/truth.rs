@@ -5,14 +5,14 @@ use rand::{SeedableRng, seq};
 use rand_pcg::Pcg64;
 
 use super::stress::Deviation;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::abuffer::{Composite, composite, lists_at};
-use pellucid_engine::reference::shading::shade;
-use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::scene::{Density, Method, Soft};
+use pellucid_gpu::Device;
+use pellucid_reference::abuffer::{Composite, composite, lists_at};
+use pellucid_reference::shading::shade;
+use pellucid_reference::soft::{Behind, Model, Scene};
+use pellucid_scene::{Density, Method, Soft};
 use pellucid_session::choice::image_of;
 
 /// Pixels that are compared with the reference; of a smaller image all.

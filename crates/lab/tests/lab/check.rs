@@ -3,8 +3,8 @@
 //! out.
 
 use pellucid_engine::methods::{self, Renderer};
-use pellucid_engine::scene::Method;
 use pellucid_lab::check::{self, Case, Counts, Verdict};
+use pellucid_scene::Method;
 use pellucid_testing::{is_llvmpipe, root, updates, with_device};
 
 use crate::by_halves;
@@ -120,7 +120,7 @@ fn names_differ() {
 #[test]
 fn every_method_has_hard_cases() {
     let cases = check::cases();
-    for method in pellucid_engine::scene::METHODS {
+    for method in pellucid_scene::METHODS {
         let of = cases.iter().filter(|case| case.name.split('/').next() == Some(*method));
         assert!(*method == "auto" || of.count() > 0, "{method} has none");
     }

@@ -9,12 +9,12 @@ mod budgets;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-use pellucid_engine::gpu::{self, Device, Preferences, Variant};
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{Discs, Method, MethodChoice};
+use pellucid_gpu::{self as gpu, Device, Preferences, Variant};
 use pellucid_lab::check::{self, Follows, Lack, Subject};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{Discs, Method, MethodChoice};
 use pellucid_testing::{is_llvmpipe, with_device, with_device_that_binds, with_device_that_prefers};
 
 use crate::by_halves;

@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use pellucid_engine::gpu::PassTime;
+use pellucid_core::progress::{Phase, Span};
 use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
 use pellucid_engine::profile::{Profile, copy_rate, histogram};
-use pellucid_engine::progress::{Phase, Span};
-use pellucid_engine::scene::{Discs, Method};
+use pellucid_gpu::PassTime;
+use pellucid_scene::{Discs, Method};
 use pellucid_testing::{frame, perspective, scene, soup, with_device};
 use serde_json::json;
 

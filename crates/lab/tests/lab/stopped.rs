@@ -3,10 +3,10 @@
 
 use std::collections::HashSet;
 
-use pellucid_engine::gpu::{self, Device};
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::scene::{Kernel, Method};
+use pellucid_gpu::{self as gpu, Device};
 use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_scene::{Kernel, Method};
 use pellucid_testing::{is_llvmpipe, with_device};
 
 use crate::by_halves;

@@ -3,18 +3,18 @@
 
 use std::path::{Path, PathBuf};
 
-use pellucid_engine::cloud::field::Field;
-use pellucid_engine::cloud::{Cloud, Prepared, UpAxis};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::io::store::build::Settings;
-use pellucid_engine::io::store::{Held, Store};
+use pellucid_core::cloud::field::Field;
+use pellucid_core::cloud::{Cloud, Prepared, UpAxis};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{self, Arranged, DEFAULT_NEIGHBORS, Request, radius};
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::stored::{Stored, open_stores};
-use pellucid_engine::scene::{self, Method, Overrides, Scene, procedural};
+use pellucid_gpu::Device;
+use pellucid_io::store::build::Settings;
+use pellucid_io::store::{Held, Store};
 use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_scene::prepare::{self, Arranged, DEFAULT_NEIGHBORS, Request, radius};
+use pellucid_scene::stored::{Stored, open_stores};
+use pellucid_scene::{self as scene, Method, Overrides, Scene, procedural};
 use pellucid_testing::{is_llvmpipe, with_device};
 
 /// Nodes of few points.

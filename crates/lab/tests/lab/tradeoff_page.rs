@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use pellucid_engine::output::read_image;
+use pellucid_io::output::read_image;
 use pellucid_lab::report::tradeoff;
 use pellucid_testing::browser::{self, Browser};
 use pellucid_testing::skip::{NO_BROWSER, skip};

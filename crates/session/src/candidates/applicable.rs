@@ -2,7 +2,7 @@
 
 use super::{Formation, Ladders, Occasion, Setting, Skipped, ladder};
 use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
-use pellucid_engine::scene::{self, Density, Family, Key, Kind, Ladder, Method, ScreenSplats, Soft, SoftLayout};
+use pellucid_scene::{self as scene, Density, Family, Key, Kind, Ladder, Method, ScreenSplats, Soft, SoftLayout};
 
 /// Points from which levels of detail are compared: fewer are drawn in no time.
 const LEAST_FOR_LEVELS: u64 = 1 << 18;

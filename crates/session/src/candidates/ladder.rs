@@ -1,7 +1,7 @@
 //! The settings of opaque points.
 
 use super::{Ladders, Setting, Skipped, Surfaces};
-use pellucid_engine::scene::{ImageSpace, Method, Relief, SplatShape};
+use pellucid_scene::{ImageSpace, Method, Relief, SplatShape};
 
 /// All of them, cloud after cloud; and the methods of opaque points that are left out.
 pub(super) fn settings(surfaces: &Surfaces, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
@@ -62,7 +62,7 @@ fn skipped(surfaces: &Surfaces) -> Vec<Skipped> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::points::Points;
+    use pellucid_core::points::Points;
 
     fn ladder_of(method: Method, normals: bool) -> (Vec<Setting>, Vec<Skipped>) {
         let points = Points { normals: normals.then(Vec::new), ..Points::default() };

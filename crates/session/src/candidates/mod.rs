@@ -9,9 +9,9 @@ pub use surfaces::Surfaces;
 
 use serde::{Deserialize, Serialize};
 
+use pellucid_core::points::Points;
 use pellucid_engine::plan;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{self, Density, Discs, Falloff, Ladder, Method, Soft, Spbr};
+use pellucid_scene::{self as scene, Density, Discs, Falloff, Ladder, Method, Soft, Spbr};
 
 /// An image that several methods form in different ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -272,8 +272,8 @@ pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Er
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::MethodChoice;
-    use pellucid_engine::scene::{BlendedSplats, OneLayer, Peel, Raster, Shells, SoftLayout};
+    use pellucid_scene::MethodChoice;
+    use pellucid_scene::{BlendedSplats, OneLayer, Peel, Raster, Shells, SoftLayout};
 
     fn occasion(max_list: u32) -> Occasion {
         let formation = Formation::Discs(Discs::default());

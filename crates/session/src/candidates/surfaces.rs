@@ -1,7 +1,7 @@
 //! Common properties of the methods of opaque points.
 
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{BlendedSplats, ImageSpace, Interpolated, Method, Relief, ScreenSplats, SplatShape};
+use pellucid_core::points::Points;
+use pellucid_scene::{BlendedSplats, ImageSpace, Interpolated, Method, Relief, ScreenSplats, SplatShape};
 
 /// The scene's settings for opaque points, independent of its method. Sizes and iterations are varied.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,11 +1,11 @@
 //! The image that means over ensembles tend to, from the float64 reference.
 
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::reference::shading::shade;
-use pellucid_engine::reference::{Picture, spbr};
-use pellucid_engine::scene::Method;
+use pellucid_reference::shading::shade;
+use pellucid_reference::{Picture, spbr};
+use pellucid_scene::Method;
+use pellucid_scene::prepare::Arranged;
 
 /// Returns the limit of the mean over ensembles as their number grows, in float64; `None` for other methods.
 pub fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {

@@ -20,21 +20,21 @@ mod table;
 mod trials;
 
 use glam::Vec3;
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
 use serde_json::{Value, json};
 
 use crate::messages::Messages;
 
 use crate::candidates::{Ladders, Setting, formation, settings};
 pub use limit::{ensembles, image_of};
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::plan;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{self, Detail, Method, Scene};
+use pellucid_gpu::Device;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{self as scene, Detail, Method, Scene};
 pub use renderers::Renderers;
 pub use survey::{Lists, Measured};
 pub use table::Row;

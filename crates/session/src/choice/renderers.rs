@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Error, Renderer};
+use pellucid_gpu::Device;
 
 /// One renderer for each method if memory allows, so that no method frees another's buffers; else one for all.
 pub struct Renderers {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::limit;
@@ -11,15 +11,17 @@ use super::survey::Measured;
 use super::table::Row;
 use super::{Figures, Subject};
 use crate::candidates::{Formation, Occasion, Setting, formation};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::LinearImage;
+use pellucid_core::image::LinearImage;
+use pellucid_core::metrics;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, Upload};
-use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::prepare::Arranged;
 use pellucid_engine::profile::median;
-use pellucid_engine::scene::{Detail, Method};
-use pellucid_engine::{Result, gpu, identity, metrics};
+use pellucid_engine::{Result, identity};
+use pellucid_gpu as gpu;
+use pellucid_gpu::Device;
+use pellucid_io::output::linear;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{Detail, Method};
 
 /// Frames behind a median where two settings are close.
 const FRAMES: usize = 7;

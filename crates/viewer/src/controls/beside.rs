@@ -1,7 +1,7 @@
 //! Side effects of changing a key: keys that exclude it are removed, and numbers stop where they would pass one
 //! another.
 
-use pellucid_engine::scene::{Change, Light, Method, Setting, SoftLayout, rounded};
+use pellucid_scene::{Change, Light, Method, Setting, SoftLayout, rounded};
 
 /// The smallest difference of threshold and modulation: a step of their sliders.
 const APART: f32 = 0.001;

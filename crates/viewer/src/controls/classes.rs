@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use pellucid_engine::scene::{Change, ClassSettings, Selection, Setting};
+use pellucid_scene::{Change, ClassSettings, Selection, Setting};
 
 /// Settings of a class of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,7 +129,7 @@ fn tidied(cloud: usize, entries: &[ClassSettings], changes: Vec<Change>) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_scene::{Document, Overrides};
 
     fn document(classes: &str) -> Document {
         let text = format!("[[cloud]]\npath = 'a.laz'\n[[cloud]]\npath = 'b.laz'\n{classes}");

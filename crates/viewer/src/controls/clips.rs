@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use pellucid_engine::cloud::Bounds;
-use pellucid_engine::scene::{Change, Clip, ClipShape, Setting};
+use pellucid_core::cloud::Bounds;
+use pellucid_scene::{Change, Clip, ClipShape, Setting};
 
 /// Margin of a new box inside the points, as a share of their extent, so that its faces can be seen and held.
 const INSET: f64 = 0.01;
@@ -92,7 +92,7 @@ pub fn without_clip(at: usize, count: usize) -> Vec<Change> {
 mod tests {
     use super::*;
     use glam::DVec2;
-    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_scene::{Document, Overrides};
 
     fn bounds() -> Bounds {
         Bounds { min: DVec3::new(84_000.123_456, 447_000.0, -2.0), max: DVec3::new(84_200.9, 447_150.0, 31.7) }

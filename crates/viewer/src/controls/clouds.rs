@@ -1,8 +1,8 @@
 //! Controls of clouds.
 
 use super::{Entry, Extent, Presence, entry, find};
-use pellucid_engine::prepare::DEFAULT_NEIGHBORS;
-use pellucid_engine::scene::{Change, CloudSettings, Setting};
+use pellucid_scene::prepare::DEFAULT_NEIGHBORS;
+use pellucid_scene::{Change, CloudSettings, Setting};
 
 /// The control of a key of a `[[cloud]]`, for keys in the panel. `own_radii`: true if the file has radii, and the K
 /// that it was prepared with.

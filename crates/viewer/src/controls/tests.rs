@@ -1,7 +1,7 @@
 //! Every key has a control, and every place of a control is a scene.
 
 use super::*;
-use pellucid_engine::scene::{Change, Document, Light, METHODS, Method, Overrides, Scene, SoftLayout, method_keys};
+use pellucid_scene::{Change, Document, Light, METHODS, Method, Overrides, Scene, SoftLayout, method_keys};
 
 const EXTENT: Extent = Extent { diagonal: 250.0, median_radius: 0.125 };
 

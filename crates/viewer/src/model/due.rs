@@ -8,7 +8,7 @@ use super::{Model, PictureState};
 use crate::accuracy::Exactness;
 use crate::draft::Effort;
 use crate::messages::{Request, Task};
-use pellucid_engine::scene::Scene;
+use pellucid_scene::Scene;
 
 /// Factor between the time of a picture at rest and that of the one before it: all drafts together take a third of the
 /// last one's time.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Model;
 use crate::controls::Extent;
 use crate::statistics::Statistics;
-use pellucid_engine::scene::{Change, Error, Scene, Setting, method_keys};
+use pellucid_scene::{Change, Error, Scene, Setting, method_keys};
 
 impl Model {
     /// Statistics of the clouds, in the scene's order; empty until they are gathered.

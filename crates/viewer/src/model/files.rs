@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::{Model, Pose, Setting, Task};
 use crate::messages::Saving;
+use pellucid_core::camera::import;
 use pellucid_engine::Result;
-use pellucid_engine::camera::import;
-use pellucid_engine::scene::Document;
+use pellucid_scene::Document;
 
 /// Files that were saved.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,9 +6,9 @@ use super::{Model, Pose, Setting, Task};
 use crate::messages::Saving;
 use crate::navigate::{Navigator, Subject, settings_of};
 use crate::route::Route;
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::camera::path::{Defaults, Key, Problem, Turntable};
-use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, camera_at, path_defaults};
+use pellucid_core::camera::import::Source;
+use pellucid_core::camera::path::{Defaults, Key, Problem, Turntable};
+use pellucid_scene::{CameraSettings, DEFAULT_FOV_Y, camera_at, path_defaults};
 
 /// Keys of a turntable, θ = 22.5° apart. About what is in the middle of the picture the curve through them is a circle;
 /// about another point it leaves that by at most 1 − cos(θ/2) − sin θ·sin(θ/2)/4 = 6·10⁻⁴ of its radius, half way
@@ -183,7 +183,7 @@ impl Model {
 
     fn run_route(
         &mut self,
-        step: impl FnOnce(&mut Route, &Defaults) -> Result<Option<pellucid_engine::camera::path::Pose>, Problem>,
+        step: impl FnOnce(&mut Route, &Defaults) -> Result<Option<pellucid_core::camera::path::Pose>, Problem>,
     ) {
         let (Some(defaults), Some(subject)) = (self.defaults(), self.subject()) else { return };
         match step(&mut self.route, &defaults) {

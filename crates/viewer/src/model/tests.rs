@@ -10,10 +10,10 @@ use crate::accuracy::{Accuracy, Exactness, History, Reference};
 use crate::draft::Effort;
 use crate::messages::{Held, Request};
 use crate::navigate::Subject;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::cloud::{Bounds, UpAxis};
+use pellucid_core::camera::Camera;
+use pellucid_core::cloud::{Bounds, UpAxis};
 use pellucid_engine::methods::{Facts, FrameProfile};
-use pellucid_engine::scene::{Method, Overrides, ViewName};
+use pellucid_scene::{Method, Overrides, ViewName};
 
 mod edited;
 mod keys;

@@ -1,7 +1,7 @@
 //! Properties of every movement, also far from the origin.
 
 use super::*;
-use pellucid_engine::scene::camera_at;
+use pellucid_scene::camera_at;
 
 const SIZE: [u32; 2] = [640, 480];
 

@@ -5,7 +5,7 @@ use egui::Ui;
 use super::VIEWS;
 use crate::model::Model;
 use crate::navigate::Navigator;
-use pellucid_engine::scene::View;
+use pellucid_scene::View;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {

@@ -8,8 +8,8 @@ use crate::controls::{ClassKey, ClassLook, class_changes, class_defaults, class_
 use crate::counts::{abbreviated, grouped};
 use crate::model::Model;
 use crate::statistics::Statistics;
-use pellucid_engine::color::{classes, decode_srgb_f64};
-use pellucid_engine::scene::{Change, CloudSettings, ColorBy, rounded};
+use pellucid_core::color::{classes, decode_srgb_f64};
+use pellucid_scene::{Change, CloudSettings, ColorBy, rounded};
 
 /// Height of a list, in points; longer ones scroll on their own.
 const ROOM: f32 = 300.0;
@@ -149,7 +149,7 @@ fn column(ui: &mut Ui, width: f32, text: &RichText, hint: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::ColorSettings;
+    use pellucid_scene::ColorSettings;
 
     #[test]
     fn other_colors_than_those_of_classes_are_said() {

@@ -7,7 +7,7 @@ use super::shading;
 use crate::controls::{AXES, NewClip, clip_changes, decimals, new_clip, short_number, without_clip};
 use crate::hints::hint;
 use crate::model::Model;
-use pellucid_engine::scene::{Clip, ClipShape};
+use pellucid_scene::{Clip, ClipShape};
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {

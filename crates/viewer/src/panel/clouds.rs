@@ -9,8 +9,8 @@ use crate::controls;
 use crate::counts::grouped;
 use crate::model::Model;
 use crate::statistics::Statistics;
-use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{CloudSettings, Method, Primitive, Scene};
+use pellucid_core::cloud::field::Field;
+use pellucid_scene::{CloudSettings, Method, Primitive, Scene};
 
 /// Clouds that are listed among the other controls; longer lists scroll on their own.
 const MANY: usize = 15;

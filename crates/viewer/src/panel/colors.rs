@@ -9,7 +9,7 @@ use crate::controls::{self, Entry, Presence, short_number};
 use crate::legend;
 use crate::model::Model;
 use crate::statistics::Statistics;
-use pellucid_engine::scene::{Change, CloudSettings, ColorBy, Setting};
+use pellucid_scene::{Change, CloudSettings, ColorBy, Setting};
 
 /// The clouds that the section is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -192,9 +192,9 @@ fn with_end(ends: [f64; 2], end: usize, x: f64, dragged: bool) -> [f64; 2] {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use pellucid_engine::cloud::{Cloud, UpAxis};
-    use pellucid_engine::progress::Progress;
-    use pellucid_engine::scene::{Scene, arrange_with_legend};
+    use pellucid_core::cloud::{Cloud, UpAxis};
+    use pellucid_core::progress::Progress;
+    use pellucid_scene::{Scene, arrange_with_legend};
 
     #[test]
     fn only_the_dragged_end_is_rounded_and_ends_never_meet() {

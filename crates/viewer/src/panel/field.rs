@@ -11,10 +11,10 @@ use crate::hints::hint;
 use crate::model::Model;
 use crate::overlay::still_plot;
 use crate::statistics::{BINS, FieldFacts};
-use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::cloud::field::Field;
-use pellucid_engine::color::classes;
-use pellucid_engine::scene::{Change, Setting, Vertical, rounded};
+use pellucid_core::cloud::UpAxis;
+use pellucid_core::cloud::field::Field;
+use pellucid_core::color::classes;
+use pellucid_scene::{Change, Setting, Vertical, rounded};
 
 /// The classes that a choice of classes begins with: vegetation.
 const VEGETATION: [u8; 3] = [3, 4, 5];
@@ -196,7 +196,7 @@ fn histogram(ui: &mut Ui, facts: &FieldFacts, threshold: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_scene::{Document, Overrides};
 
     #[test]
     fn an_axis_begins_along_the_vertical() {

@@ -5,7 +5,7 @@ use egui::{ComboBox, RichText, Ui};
 use super::row::{edit_row, note};
 use crate::controls;
 use crate::model::Model;
-use pellucid_engine::scene::{MethodChoice, Purpose, gaussian_keys, method_keys};
+use pellucid_scene::{MethodChoice, Purpose, gaussian_keys, method_keys};
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {

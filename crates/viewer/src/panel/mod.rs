@@ -20,7 +20,7 @@ pub use row::note;
 use egui::{Color32, Label, RichText, ScrollArea, Ui};
 
 use super::model::Model;
-use pellucid_engine::scene::{ShadingModel, ViewName};
+use pellucid_scene::{ShadingModel, ViewName};
 
 /// Width of the panel in points.
 pub const WIDTH: f32 = 330.0;

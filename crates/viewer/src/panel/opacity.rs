@@ -5,7 +5,7 @@ use egui::Ui;
 use super::row::{edit_row, note, row};
 use crate::controls::{self, Entry, Presence};
 use crate::model::Model;
-use pellucid_engine::scene::{Change, CloudSettings, Setting, rounded};
+use pellucid_scene::{Change, CloudSettings, Setting, rounded};
 
 /// The control of the key that decides how faint a cloud is, and the key.
 fn entry(cloud: &CloudSettings, model: &Model) -> Option<(&'static str, Entry)> {
@@ -62,7 +62,7 @@ fn by_the_other_key(i: usize, key: &str, value: f32) -> Vec<Change> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_scene::{Document, Overrides};
 
     #[test]
     fn each_cloud_has_the_opacity_by_the_key_it_had() {

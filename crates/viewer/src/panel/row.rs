@@ -5,7 +5,7 @@ use egui::{Button, ComboBox, DragValue, Label, Response, RichText, Sense, Slider
 use crate::controls::{self, Control, Entry, Presence, significant};
 use crate::hints::hint;
 use crate::model::Model;
-use pellucid_engine::scene::Setting;
+use pellucid_scene::Setting;
 
 /// Room at the end of a row for its button, in points.
 const BUTTON: f32 = 20.0;

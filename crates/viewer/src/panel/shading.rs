@@ -6,8 +6,8 @@ use glam::DVec3;
 use super::row::{choice_row, name, note, row, vector};
 use crate::controls;
 use crate::model::Model;
-use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View, rounded};
+use pellucid_core::cloud::UpAxis;
+use pellucid_scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View, rounded};
 
 /// Azimuth and elevation of a light that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
@@ -199,7 +199,7 @@ fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_scene::{Document, Overrides};
 
     #[test]
     fn angles_and_directions_are_the_same_light() {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::*;
-use pellucid_engine::camera::Projection;
+use pellucid_core::camera::Projection;
 
 fn defaults() -> Defaults {
     Defaults { up: DVec3::Z, projection: Projection::Perspective { fov_y: 0.8 } }

@@ -11,10 +11,10 @@ use glam::DVec3;
 
 use super::*;
 use common::{assert_same, assert_same_clouds, cloud, clouds, document, number, numbers, with_device, words};
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::cloud::shadow_texture::ShadowTexture;
-use pellucid_engine::prepare::{self, Request};
-use pellucid_engine::scene::{Document, METHODS, Overrides, Setting};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::shadow_texture::ShadowTexture;
+use pellucid_scene::prepare::{self, Request};
+use pellucid_scene::{Document, METHODS, Overrides, Setting};
 
 const SEED: u64 = 5;
 

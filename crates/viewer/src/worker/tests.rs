@@ -4,7 +4,7 @@ use pellucid_testing::with_device;
 
 use super::*;
 use crate::draft::Effort;
-use pellucid_engine::scene::{CameraSettings, Document, Setting};
+use pellucid_scene::{CameraSettings, Document, Setting};
 use pellucid_session::{Clouds, Sources};
 
 #[test]

@@ -14,9 +14,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pellucid_core::atomic::Writer;
 use pellucid_engine::Result;
-use pellucid_engine::atomic::Writer;
-use pellucid_engine::output::{self, Files};
+use pellucid_io::output::{self, Files};
 
 use super::bar::Bar;
 use super::console::Console;
@@ -228,7 +228,7 @@ impl Films {
     }
 
     /// Makes the folder of the frames. If it stays empty, dropping the result removes it.
-    pub fn make_folder(&self) -> Result<Option<pellucid_engine::atomic::NewFolder>> {
+    pub fn make_folder(&self) -> Result<Option<pellucid_core::atomic::NewFolder>> {
         Ok(self.folder.as_ref().map(|folder| output::make_folder(folder)).transpose()?)
     }
 

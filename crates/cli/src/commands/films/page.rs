@@ -9,8 +9,8 @@ use bytesize::ByteSize;
 use glam::Vec3;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use maud::{PreEscaped, html};
-use pellucid_engine::color::encode_srgb;
-use pellucid_engine::output::{Raster, to_byte};
+use pellucid_core::color::encode_srgb;
+use pellucid_io::output::{Raster, to_byte};
 use pellucid_lab::report::page;
 
 use super::interrupted;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use image::DynamicImage;
 use image::codecs::png::PngDecoder;
-use pellucid_engine::output::{self, Raster};
+use pellucid_io::output::{self, Raster};
 
 /// Frames as PNG files of one size, with or without alpha.
 pub struct Stills<'a> {

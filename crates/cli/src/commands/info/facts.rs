@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::color::classes;
-use pellucid_engine::scene::{self, Overview};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::color::classes;
+use pellucid_scene::{self as scene, Overview};
 use serde_json::{Map, Value, json};
 
 use super::histogram::{Histogram, short};

@@ -1,7 +1,7 @@
 //! Text of `info` about Gaussian splats.
 
-use pellucid_engine::cloud::filter::Filter;
-use pellucid_engine::cloud::gaussians::Gaussians;
+use pellucid_core::cloud::filter::Filter;
+use pellucid_core::cloud::gaussians::Gaussians;
 use serde_json::{Value, json};
 
 use super::histogram::short;

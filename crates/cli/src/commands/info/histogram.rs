@@ -1,6 +1,6 @@
 //! Histograms of a cloud's values, as numbers and as a line of text.
 
-use pellucid_engine::color::percentiles::percentiles;
+use pellucid_core::color::percentiles::percentiles;
 use serde_json::{Value, json};
 
 /// Bins of a histogram.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::scene::Overview;
+use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_scene::Overview;
 
 use super::facts::Classes;
 use crate::commands::typed::quoted;

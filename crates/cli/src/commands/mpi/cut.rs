@@ -1,11 +1,11 @@
 //! Divides an image among the ranks: rectangles of whole tiles that are expected to cost the same.
 
 use glam::DVec3;
-use pellucid_engine::camera::{Camera, Projection};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::points::Points;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::DiscShape;
+use pellucid_scene::DiscShape;
 
 /// Side of a tile in pixels: no tile is cut, so that its splats are ordered once.
 pub const TILE: u32 = 16;

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use pellucid_core::camera::Camera;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::Rendered;
 
 use super::desk::Desk;

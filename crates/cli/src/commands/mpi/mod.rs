@@ -58,7 +58,7 @@ pub fn main() -> ExitCode {
     // A message of one rank is a message of all.
     let console = Console::new(quiet || !ranks.is_first(), verbose && ranks.is_first(), Streams::Process);
     super::interrupt::watch();
-    pellucid_engine::io::silence_decoder_panics();
+    pellucid_io::silence_decoder_panics();
     let spread = cli.command.spread();
     if let (Some(device), false) = (spread, ranks.is_first()) {
         return worker::serve(device, &ranks).unwrap_or_else(|error| fail(&error.into(), &ranks));

@@ -1,7 +1,7 @@
 //! Parts of an image from rank to rank.
 
 use bytemuck::{Pod, cast_slice_mut};
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 use pellucid_engine::passes::bands::Window;
 
 use super::ranks::Ranks;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use mpi::environment::{Threading, Universe, processor_name};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
-use pellucid_engine::gpu;
+use pellucid_gpu as gpu;
 
 use crate::commands::Error;
 use crate::commands::console::Streams;

@@ -1,7 +1,7 @@
 //! The profile of frames that ranks shared: that of `pellucid`, and what each rank did.
 
+use pellucid_core::image::Image;
 use pellucid_engine::Result;
-use pellucid_engine::image::Image;
 use pellucid_engine::profile::{self, Profile};
 use pellucid_session::Session;
 use serde_json::{Value, json};

@@ -4,7 +4,7 @@
 use std::fmt::Display;
 
 use pellucid_engine::Result;
-use pellucid_engine::scene::Error;
+use pellucid_scene::Error;
 use serde::{Deserialize, Serialize};
 
 use super::cut::{Load, PIXEL, POINT};

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
+use pellucid_core::camera::Camera;
+use pellucid_core::progress::Phase;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Frame, Upload};
 use pellucid_engine::passes::bands::Window;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Phase;
-use pellucid_engine::scene::MethodChoice;
+use pellucid_scene::MethodChoice;
+use pellucid_scene::prepare::Arranged;
 use pellucid_session::{Prepared, Session};
 
 use super::cut::{Costs, Load};

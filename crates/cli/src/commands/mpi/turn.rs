@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use pellucid_core::image::Image;
 use pellucid_engine::Result;
-use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Rendered, Renderer, SamplePart};
 use pellucid_engine::passes::bands::Window;
 use pellucid_session::Session;

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pellucid_engine::scene::{Family, Method};
+use pellucid_scene::{Family, Method};
 use tempfile::TempDir;
 
 use super::{command, has_device, place, text};

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
 
 use super::{CASES, Files, cases, done, files, place, put_old};
 
@@ -59,15 +59,13 @@ pub fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
             if !bytes.ends_with(b"IEND\xaeB`\x82") {
                 return Err("no end".to_owned());
             }
-            pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string())
+            pellucid_io::output::read_image(&copy).map(drop).map_err(|error| error.to_string())
         }
         Some("exr") if is_deep(bytes) => deep_ends(bytes)
             .filter(|end| *end == bytes.len())
             .map_or_else(|| Err("its rows don't end where it does".to_owned()), |_| Ok(())),
-        Some("exr") => pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string()),
-        Some("ply") => {
-            pellucid_engine::io::load(&copy, &Progress::hidden()).map(drop).map_err(|error| error.to_string())
-        }
+        Some("exr") => pellucid_io::output::read_image(&copy).map(drop).map_err(|error| error.to_string()),
+        Some("ply") => pellucid_io::load(&copy, &Progress::hidden()).map(drop).map_err(|error| error.to_string()),
         Some("json") => serde_json::from_slice::<serde_json::Value>(bytes).map(drop).map_err(|error| error.to_string()),
         Some("toml") if !text()?.ends_with('\n') => Err("no end of its last line".to_owned()),
         Some("toml") => toml::from_str::<toml::Table>(text()?).map(drop).map_err(|error| error.to_string()),

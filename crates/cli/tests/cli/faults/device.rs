@@ -3,7 +3,7 @@
 
 use std::process::Output;
 
-use pellucid_engine::scene::{Family, Method};
+use pellucid_scene::{Family, Method};
 use pellucid_testing::long_or;
 
 use super::checker::{Allowed, complaints};

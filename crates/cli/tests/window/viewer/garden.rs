@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::output::read_image;
+use pellucid_gpu::{Device, DeviceOptions};
+use pellucid_io::output::read_image;
 use pellucid_testing::skip::{NO_DEVICE, NO_DISPLAY, NO_PRESENTING, skip};
 
 use super::display::{Display, SIZE};
@@ -75,7 +75,7 @@ pub fn rendered(folder: &Path, name: &str, options: &[&str]) -> Vec<u8> {
 /// Pixels of the picture that the screen shows otherwise, the picture being at a place of the screen.
 fn not_on_screen(display: &Display, picture: &Path, [left, top]: [usize; 2]) -> usize {
     let image = read_image(picture).unwrap();
-    let byte = |x: f32| (255.0 * pellucid_engine::color::encode_srgb(x) + 0.5).floor() as u8;
+    let byte = |x: f32| (255.0 * pellucid_core::color::encode_srgb(x) + 0.5).floor() as u8;
     let (screen, width) = (display.pixels(), image.width as usize);
     let shown = |i: usize| screen[(top + i / width) * SIZE[0] + left + i % width];
     image.pixels.iter().enumerate().filter(|(i, pixel)| pixel.map(byte) != shown(*i)).count()

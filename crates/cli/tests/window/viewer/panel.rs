@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{
-    ClassSettings, Clip, ClipShape, Density, Method, Scene, Selection, Shadows, Shells, Soft,
-};
+use pellucid_core::cloud::field::Field;
+use pellucid_scene::{ClassSettings, Clip, ClipShape, Density, Method, Scene, Selection, Shadows, Shells, Soft};
 
 use super::display::Display;
 use super::garden::{garden, rendered, shoot, with_display};

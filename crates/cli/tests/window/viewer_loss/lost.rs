@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use pellucid_engine::scene::{Overrides, Scene};
+use pellucid_scene::{Overrides, Scene};
 use pellucid_testing::skip::{NO_MANIFEST, skip};
 
 use crate::viewer::display::Display;

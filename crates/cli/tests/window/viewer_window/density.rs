@@ -1,7 +1,7 @@
 //! Screens of high density: winit takes the scale from WINIT_X11_SCALE_FACTOR.
 
-use pellucid_engine::output::read_image;
-use pellucid_engine::scene::{Overrides, Scene};
+use pellucid_io::output::read_image;
+use pellucid_scene::{Overrides, Scene};
 
 use crate::viewer::garden::{garden, rendered, shoot_from, wait_for_screen, with_display};
 use crate::viewer::window::Window;

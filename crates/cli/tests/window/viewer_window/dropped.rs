@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pellucid_engine::output::read_image;
+use pellucid_io::output::read_image;
 
 use crate::viewer::garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};
 use crate::viewer::window::{Window, command};

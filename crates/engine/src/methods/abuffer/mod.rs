@@ -41,7 +41,7 @@ use super::{Error, Frame, Outcome, Timeline};
 use crate::choices::Choices;
 use crate::fields;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
+use crate::gpu::{Buffer, Device, Expected, Memory, Recorder, Scratch};
 use crate::passes::bands::{self, Band, Budget, Window};
 use crate::passes::bin::{self, Lanes};
 use crate::passes::compose::Cut;
@@ -81,7 +81,7 @@ fields! {
         lengths: Buffer<Lengths> = device.buffer("list lengths", 1, Memory::Device)?,
         /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and
         /// their lengths.
-        bodies: Kept<u32> = Kept::new("sphere counts", Memory::Device),
+        bodies: Scratch<u32> = Scratch::new("sphere counts", Memory::Device),
         /// `true` if bodies of the last window were counted.
         beside: bool = false,
         told_bodies: Told<u32> = Told::new("sphere counts, host"),

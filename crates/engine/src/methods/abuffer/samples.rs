@@ -4,7 +4,7 @@ use super::blend::Stored;
 use super::capacity::Need;
 use super::{ABuffer, Blending, RUN_PIXEL_BYTES, Sampled, WindowJob};
 use crate::fields;
-use crate::gpu::{Device, Kept, Memory};
+use crate::gpu::{Device, Memory, Scratch};
 use crate::methods::Error;
 use crate::methods::engine::Work;
 use crate::passes::bands::{self, Band};
@@ -47,10 +47,10 @@ impl Taken<'_> {
 fields! {
     /// Buffers of samples, kept from window to window.
     pub(super) struct Buffers {
-        colors: Kept<[f32; 4]> = Kept::new("sample colors", Memory::Device),
-        depths: Kept<[f32; 2]> = Kept::new("sample depths", Memory::Device),
-        colors_host: Kept<[f32; 4]> = Kept::new("sample colors, host", Memory::Readback),
-        depths_host: Kept<[f32; 2]> = Kept::new("sample depths, host", Memory::Readback),
+        colors: Scratch<[f32; 4]> = Scratch::new("sample colors", Memory::Device),
+        depths: Scratch<[f32; 2]> = Scratch::new("sample depths", Memory::Device),
+        colors_host: Scratch<[f32; 4]> = Scratch::new("sample colors, host", Memory::Readback),
+        depths_host: Scratch<[f32; 2]> = Scratch::new("sample depths, host", Memory::Readback),
     }
 }
 

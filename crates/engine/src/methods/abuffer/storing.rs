@@ -4,7 +4,7 @@ use super::blend::{Blender, Blending};
 use super::passes::{Count, CountTiles, RunSums, Sampled, Store, StoreTiles};
 use super::{FRAGMENT_BYTES, INDEX_BYTES};
 use crate::fields;
-use crate::gpu::{Buffer, Kept, Memory, Recorder, Slice};
+use crate::gpu::{Buffer, Memory, Recorder, Scratch, Slice};
 use crate::methods::{Error, Target};
 use crate::passes::bands::Band;
 use crate::passes::bin::{Binned, Bins};
@@ -165,17 +165,17 @@ fields! {
     /// Buffers that fragments are stored in, kept from frame to frame.
     pub struct Room by device {
         /// Counts of the pixels of a window, and then the cursors that hand out slots, or the heads of linked lists.
-        pub counts: Kept<u32> = Kept::new("fragment counts", Memory::Device),
+        pub counts: Scratch<u32> = Scratch::new("fragment counts", Memory::Device),
         /// Prefix sums of the window's list lengths.
-        pub offsets: Kept<u32> = Kept::new("fragment offsets", Memory::Device),
+        pub offsets: Scratch<u32> = Scratch::new("fragment offsets", Memory::Device),
         /// The fragments of a band.
-        pub fragments: Kept<[u32; 2]> = Kept::new("fragments", Memory::Device),
+        pub fragments: Scratch<[u32; 2]> = Scratch::new("fragments", Memory::Device),
         /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
-        pub spare: Kept<[u32; 2]> = Kept::new("spare fragments", Memory::Device),
+        pub spare: Scratch<[u32; 2]> = Scratch::new("spare fragments", Memory::Device),
         /// Records of fragments, at their slots.
-        pub records: Kept<[u32; 4]> = Kept::new("event records", Memory::Device),
+        pub records: Scratch<[u32; 4]> = Scratch::new("event records", Memory::Device),
         /// Links of the nodes of linked lists.
-        pub links: Kept<u32> = Kept::new("list links", Memory::Device),
+        pub links: Scratch<u32> = Scratch::new("list links", Memory::Device),
         /// Counter of those nodes.
         pub node_count: Buffer<u32> = device.buffer("node count", 1, Memory::Device)?,
     }
@@ -185,9 +185,9 @@ fields! {
     /// Running sums of long lists, and values of their segments, kept from frame to frame.
     pub struct RunBuffers {
         /// Sums of runs.
-        pub sums: Kept<RunSums> = Kept::new("sums of runs", Memory::Device),
+        pub sums: Scratch<RunSums> = Scratch::new("sums of runs", Memory::Device),
         /// Values of segments.
-        pub segments: Kept<f32> = Kept::new("segments", Memory::Device),
+        pub segments: Scratch<f32> = Scratch::new("segments", Memory::Device),
     }
 }
 

@@ -13,7 +13,7 @@ use super::engine::Work;
 use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums, SumsGroup};
 use super::{Error, Facts, Outcome, Target, fading};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Kept, Memory, Recorder, Variant};
+use crate::gpu::{Device, Memory, Recorder, Scratch, Variant};
 use crate::passes::bin::{self, Binned, Bins, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::passes::project::{DISCS, Footprint};
@@ -176,10 +176,10 @@ fn run_bytes(rounds: &[u32]) -> u64 {
 fields! {
     /// Buffers, kept from frame to frame.
     pub struct Approximations {
-        state: Kept<[f32; 4]> = Kept::new("sums of pixels", Memory::Device),
-        lasts: Kept<[u32; 2]> = Kept::new("last ranks of pixels", Memory::Device),
-        slots: Kept<[u32; 4]> = Kept::new("nearest fragments of pixels, by slot", Memory::Device),
-        moments: Kept<[f32; 2]> = Kept::new("moments of tails", Memory::Device),
+        state: Scratch<[f32; 4]> = Scratch::new("sums of pixels", Memory::Device),
+        lasts: Scratch<[u32; 2]> = Scratch::new("last ranks of pixels", Memory::Device),
+        slots: Scratch<[u32; 4]> = Scratch::new("nearest fragments of pixels, by slot", Memory::Device),
+        moments: Scratch<[f32; 2]> = Scratch::new("moments of tails", Memory::Device),
     }
 }
 

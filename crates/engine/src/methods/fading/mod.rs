@@ -14,7 +14,7 @@ use super::engine::Work;
 use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums};
 use super::{Error, Facts, Outcome, Target};
 use crate::fields;
-use crate::gpu::{Device, Kept, Memory, Recorder};
+use crate::gpu::{Device, Memory, Recorder, Scratch};
 use crate::passes::bands::Budget;
 use crate::passes::bin::{self, Binned, Bins};
 use crate::passes::compose;
@@ -70,9 +70,9 @@ fn most_pixels(budget: Budget, fading: Fading, other_bytes: u64) -> u64 {
 fields! {
     /// Buffers, kept from frame to frame.
     pub struct Fadings {
-        known: Kept<[f32; 2]> = Kept::new("fading of pixels", Memory::Device),
-        ranges: Kept<[f32; 2]> = Kept::new("ranges of depths of pixels", Memory::Device),
-        state: Kept<[f32; 4]> = Kept::new("weighted sums of pixels", Memory::Device),
+        known: Scratch<[f32; 2]> = Scratch::new("fading of pixels", Memory::Device),
+        ranges: Scratch<[f32; 2]> = Scratch::new("ranges of depths of pixels", Memory::Device),
+        state: Scratch<[f32; 4]> = Scratch::new("weighted sums of pixels", Memory::Device),
     }
 }
 

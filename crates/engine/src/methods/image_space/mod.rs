@@ -26,7 +26,7 @@ use super::peel::PeelWork;
 use super::points::{self, Choice};
 use super::{Error, Facts};
 use crate::fields;
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice};
+use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Scratch, Slice};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting};
@@ -162,12 +162,12 @@ pub(super) struct Emptied<'a> {
 fields! {
     /// Buffers of filtered images, kept from frame to frame.
     pub struct Filterer by device {
-        pub(super) nearest: Kept<NearestSplat> = Kept::new("nearest points", Memory::Device),
-        tiles: Kept<[u32; 4]> = Kept::new("image tiles", Memory::Device),
-        pub(super) depths: Kept<f32> = Kept::new("tile depths", Memory::Device),
-        pub(super) colors: Kept<[f32; 4]> = Kept::new("tile colors", Memory::Device),
-        pub(super) entries: Kept<[u32; 2]> = Kept::new("listed tiles", Memory::Device),
-        slots: Kept<u32> = Kept::new("filter dispatches", Memory::Device),
+        pub(super) nearest: Scratch<NearestSplat> = Scratch::new("nearest points", Memory::Device),
+        tiles: Scratch<[u32; 4]> = Scratch::new("image tiles", Memory::Device),
+        pub(super) depths: Scratch<f32> = Scratch::new("tile depths", Memory::Device),
+        pub(super) colors: Scratch<[f32; 4]> = Scratch::new("tile colors", Memory::Device),
+        pub(super) entries: Scratch<[u32; 2]> = Scratch::new("listed tiles", Memory::Device),
+        slots: Scratch<u32> = Scratch::new("filter dispatches", Memory::Device),
         totals: Buffer<u32> = device.buffer("filtered tiles", 4, Memory::Device)?,
         totals_host: Buffer<u32> = device.buffer("filtered tiles, host", 4, Memory::Readback)?,
         pub(super) work: Buffer<PeelWork> = device.buffer("layer work", 1, Memory::Device)?,

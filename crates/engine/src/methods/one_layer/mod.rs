@@ -2,7 +2,7 @@
 //! al. 2018). Three-pass splats ([`super::splats`]) of the soft points give the layer; those of all points, soft ones
 //! only where they lie behind it, give the rest.
 //!
-//! Reference: [`crate::reference::one_layer`].
+//! Reference: `pellucid_reference::one_layer`.
 
 mod engine;
 

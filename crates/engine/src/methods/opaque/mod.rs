@@ -10,7 +10,7 @@ use super::engine::Work;
 use super::{Error, PixelsGroup};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Dispatch, Kept, Memory, Run, Variant};
+use crate::gpu::{Dispatch, Memory, Run, Scratch, Variant};
 use crate::passes::bands::{self, Band};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
@@ -61,7 +61,7 @@ pub const PIXEL_BYTES: u64 = 8;
 fields! {
     /// Buffers of opaque splats, kept from frame to frame.
     pub struct Opaque {
-        pub(super) nearest: Kept<NearestSplat> = Kept::new("nearest splats", Memory::Device),
+        pub(super) nearest: Scratch<NearestSplat> = Scratch::new("nearest splats", Memory::Device),
     }
 }
 

@@ -17,7 +17,7 @@ use super::told::Told;
 use super::{Error, Facts, PixelsGroup, Target};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Scratch, Slice, Variant};
 use crate::passes::bands::{self, Band, Window};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::foresight::Knowledge;
@@ -122,16 +122,16 @@ impl WindowJob<'_> {
 fields! {
     /// Buffers of peeling, kept from frame to frame.
     pub struct Peeler by device {
-        nearest: Kept<NearestSplat> = Kept::new("nearest fragments", Memory::Device),
-        last: Kept<[u32; 2]> = Kept::new("last fragments", Memory::Device),
-        counts: Kept<u32> = Kept::new("fragment counts", Memory::Device),
-        layers: Kept<u32> = Kept::new("layer counts", Memory::Device),
+        nearest: Scratch<NearestSplat> = Scratch::new("nearest fragments", Memory::Device),
+        last: Scratch<[u32; 2]> = Scratch::new("last fragments", Memory::Device),
+        counts: Scratch<u32> = Scratch::new("fragment counts", Memory::Device),
+        layers: Scratch<u32> = Scratch::new("layer counts", Memory::Device),
         work: Buffer<PeelWork> = device.buffer("peel work", 1, Memory::Device)?,
         work_host: Buffer<PeelWork> = device.buffer("peel work, host", 1, Memory::Readback)?,
         told_counts: Told<u32> = Told::new("fragment counts, host"),
         told_layers: Told<u32> = Told::new("layer counts, host"),
         /// Indirect arguments of the passes of a layer.
-        arguments: Kept<u32> = Kept::new("layer dispatches", Memory::Device),
+        arguments: Scratch<u32> = Scratch::new("layer dispatches", Memory::Device),
         /// Layers of the last window.
         last_layers: u32 = 0,
     }

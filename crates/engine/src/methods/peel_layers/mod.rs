@@ -16,7 +16,7 @@ use super::peel::{Next, PeelWork};
 use super::told::Told;
 use super::{Error, Target};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Scratch, Slice, Variant};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
@@ -80,11 +80,11 @@ fields! {
     /// Buffers of layers and their images, kept from frame to frame.
     pub struct LayerPeeler by device {
         images: Filterer = Filterer::new(device)?,
-        limits: Kept<u32> = Kept::new("layer limits", Memory::Device),
-        layers: Kept<u32> = Kept::new("layer counts", Memory::Device),
+        limits: Scratch<u32> = Scratch::new("layer limits", Memory::Device),
+        layers: Scratch<u32> = Scratch::new("layer counts", Memory::Device),
         work_host: Buffer<PeelWork> = device.buffer("layer work, host", 1, Memory::Readback)?,
         told: Told<u32> = Told::new("layer counts, host"),
-        dispatches: Kept<u32> = Kept::new("layer dispatches", Memory::Device),
+        dispatches: Scratch<u32> = Scratch::new("layer dispatches", Memory::Device),
         /// Layers of the last window.
         last_layers: u32 = 0,
     }

@@ -6,7 +6,7 @@
 use super::{SoftModel, record_compose};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Kept, Memory, Recorder, Run, Variant};
+use crate::gpu::{Memory, Recorder, Run, Scratch, Variant};
 use crate::methods::engine::Work;
 use crate::methods::told::Told;
 use crate::methods::{Error, Frame, Layer, Outcome, PixelsGroup, Target};
@@ -57,7 +57,7 @@ pub struct WindowJob<'a> {
 fields! {
     /// Buffers, kept from frame to frame.
     pub struct SoftDiscs {
-        counts: Kept<u32> = Kept::new("soft discs of pixels", Memory::Device),
+        counts: Scratch<u32> = Scratch::new("soft discs of pixels", Memory::Device),
         told: Told<u32> = Told::new("soft discs of pixels, host"),
         counted: Vec<u32> = Vec::new(),
     }

@@ -12,7 +12,7 @@ use super::stream::Stream;
 use super::tasks::{Task, Tasks};
 use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
 use crate::fields;
-use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Device, Dispatch, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
 use crate::methods::engine::Work;
 use crate::methods::parts::Plane;
 use crate::methods::{Error, SamplePart};
@@ -42,14 +42,14 @@ fields! {
     /// Buffers, kept from frame to frame.
     pub struct Ensembles {
         stream: Stream = Stream::default(),
-        nearest: Kept<u64> = Kept::new("nearest of ensembles", Memory::Device),
-        pixels: Kept<[u32; 4]> = Kept::new("sums of ensembles", Memory::Device),
-        squares: Kept<[u32; 4]> = Kept::new("squares of ensembles", Memory::Device),
-        spread: Kept<[f32; 4]> = Kept::new("spread of ensembles", Memory::Device),
-        large: Kept<[u32; 4]> = Kept::new("large points", Memory::Device),
-        arguments: Kept<u32> = Kept::new("large points, groups", Memory::Device),
-        counters: Kept<Counters> = Kept::new("counters of ensembles", Memory::Device),
-        counters_host: Kept<Counters> = Kept::new("counters of ensembles, host", Memory::Readback),
+        nearest: Scratch<u64> = Scratch::new("nearest of ensembles", Memory::Device),
+        pixels: Scratch<[u32; 4]> = Scratch::new("sums of ensembles", Memory::Device),
+        squares: Scratch<[u32; 4]> = Scratch::new("squares of ensembles", Memory::Device),
+        spread: Scratch<[f32; 4]> = Scratch::new("spread of ensembles", Memory::Device),
+        large: Scratch<[u32; 4]> = Scratch::new("large points", Memory::Device),
+        arguments: Scratch<u32> = Scratch::new("large points, groups", Memory::Device),
+        counters: Scratch<Counters> = Scratch::new("counters of ensembles", Memory::Device),
+        counters_host: Scratch<Counters> = Scratch::new("counters of ensembles, host", Memory::Readback),
     }
 }
 
@@ -114,7 +114,7 @@ impl Ensembles {
 
     /// Keeps the sums of a window that was submitted.
     fn keep(&self, work: &Work<'_>) -> Result<(), Error> {
-        let read = |words: &Kept<[u32; 4]>| words.get().read(0, 2 * work.pixels());
+        let read = |words: &Scratch<[u32; 4]>| words.get().read(0, 2 * work.pixels());
         let colors = read(&self.pixels)?;
         let of_pixel = |p: &[[u32; 4]]| [p[0][2], p[0][3], p[1][0], p[1][1], p[1][2]];
         work.keep(Plane::Colors, &colors.chunks_exact(2).flat_map(of_pixel).collect::<Vec<_>>());

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::rounds::ALIGNED;
 use crate::fields;
-use crate::gpu::{Device, Error, Kept, Memory, Recorder, Slice};
+use crate::gpu::{Device, Error, Memory, Recorder, Scratch, Slice};
 use crate::passes::project::{COLUMN_BYTES, Column, DeviceCloud};
 
 /// Fewest points on the device at a time: more than any dispatch must have at least.
@@ -110,11 +110,11 @@ impl Shelf {
 fields! {
     /// Points on the device, and their source; kept from frame to frame.
     pub struct Stream {
-        window: Kept<[f32; 4]> = Kept::new("streamed points", Memory::Device),
-        staging: Kept<[f32; 4]> = Kept::new("streamed points, host", Memory::Upload),
+        window: Scratch<[f32; 4]> = Scratch::new("streamed points", Memory::Device),
+        staging: Scratch<[f32; 4]> = Scratch::new("streamed points, host", Memory::Upload),
         packed: Vec<[f32; 4]> = Vec::new(),
-        ids: Kept<u32> = Kept::new("streamed ids", Memory::Device),
-        staging_ids: Kept<u32> = Kept::new("streamed ids, host", Memory::Upload),
+        ids: Scratch<u32> = Scratch::new("streamed ids", Memory::Device),
+        staging_ids: Scratch<u32> = Scratch::new("streamed ids, host", Memory::Upload),
         packed_ids: Vec<u32> = Vec::new(),
         columns: u64 = 0,
         shelf: Shelf = Shelf::default(),

@@ -5,7 +5,7 @@
 //! Splats go through tiles in canonical order and their sums are compensated, so that neither windows nor runs over a
 //! tile's splats change a byte.
 //!
-//! Reference: [`crate::reference::splats`].
+//! Reference: `pellucid_reference::splats`.
 
 mod engine;
 
@@ -18,7 +18,7 @@ use super::engine::Work;
 use super::{Error, Facts, Outcome, Pixels};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Device, Dispatch, Memory, Recorder, Run, Scratch, Slice, Variant};
 use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
@@ -81,8 +81,8 @@ pub struct WindowJob<'a> {
 fields! {
     /// Buffers, kept from frame to frame.
     pub struct Splatter {
-        limits: Kept<f32> = Kept::new("limits of depth", Memory::Device),
-        excess: Kept<[f32; 4]> = Kept::new("excess of sums", Memory::Device),
+        limits: Scratch<f32> = Scratch::new("limits of depth", Memory::Device),
+        excess: Scratch<[f32; 4]> = Scratch::new("excess of sums", Memory::Device),
     }
 }
 

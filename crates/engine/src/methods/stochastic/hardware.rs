@@ -10,7 +10,7 @@ use crate::camera::{Camera, Projection};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{
-    Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES,
+    Blend, DepthSamples, Device, Dispatch, Format, NumberSamples, Pixels, Recorder, Run, SAMPLES, ScratchAttachment,
     Targets, Variant,
 };
 use crate::methods::engine::Work;
@@ -162,10 +162,10 @@ pub fn is_seen(raster: &Raster<'_>) -> bool {
 fields! {
     /// Attachments, kept from frame to frame: 52 bytes per pixel.
     pub struct Attachments {
-        depths: KeptAttachment = KeptAttachment::new("sample depths", Format::Depth, SAMPLES),
-        indices: KeptAttachment = KeptAttachment::new("sample indices", Format::Number, SAMPLES),
-        sums: KeptAttachment = KeptAttachment::new("stratum sums", Format::Color, 1),
-        alphas: KeptAttachment = KeptAttachment::new("total opacity", Format::Number, 1),
+        depths: ScratchAttachment = ScratchAttachment::new("sample depths", Format::Depth, SAMPLES),
+        indices: ScratchAttachment = ScratchAttachment::new("sample indices", Format::Number, SAMPLES),
+        sums: ScratchAttachment = ScratchAttachment::new("stratum sums", Format::Color, 1),
+        alphas: ScratchAttachment = ScratchAttachment::new("total opacity", Format::Number, 1),
     }
 }
 

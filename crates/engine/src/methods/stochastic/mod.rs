@@ -6,7 +6,7 @@
 //! passes over the splats for each few strata of four samples. What a stratum says is one of many independent
 //! estimates, whose spread tells the standard error.
 //!
-//! Reference: [`crate::reference::stochastic`].
+//! Reference: `pellucid_reference::stochastic`.
 
 mod engine;
 pub mod hardware;
@@ -21,7 +21,7 @@ use super::told::Told;
 use super::{Error, Facts, Outcome, SamplePart, Target};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::gpu::{Device, Dispatch, Memory, Recorder, Run, Scratch, Variant};
 use crate::image;
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins};
@@ -211,11 +211,11 @@ impl WindowJob<'_> {
 fields! {
     /// Buffers, kept from frame to frame.
     pub struct Sampler {
-        keys: Kept<[u32; 4]> = Kept::new("sample depths", Memory::Device),
-        indices: Kept<[u32; 4]> = Kept::new("sample splats", Memory::Device),
-        sums: Kept<[f32; 4]> = Kept::new("sample sums", Memory::Device),
-        exact: Kept<f32> = Kept::new("exact alpha", Memory::Device),
-        spread: Kept<[f32; 4]> = Kept::new("sample spread", Memory::Device),
+        keys: Scratch<[u32; 4]> = Scratch::new("sample depths", Memory::Device),
+        indices: Scratch<[u32; 4]> = Scratch::new("sample splats", Memory::Device),
+        sums: Scratch<[f32; 4]> = Scratch::new("sample sums", Memory::Device),
+        exact: Scratch<f32> = Scratch::new("exact alpha", Memory::Device),
+        spread: Scratch<[f32; 4]> = Scratch::new("sample spread", Memory::Device),
         told: Told<[f32; 4]> = Told::new("sample spread, host"),
         attachments: hardware::Attachments = hardware::Attachments::default(),
     }

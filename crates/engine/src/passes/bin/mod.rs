@@ -38,7 +38,7 @@ use super::scan::Scan;
 use super::timeline::Timeline;
 use crate::fields;
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{Buffer, Device, Kept, Memory, Recorder};
+use crate::gpu::{Buffer, Device, Memory, Recorder, Scratch};
 use crate::prepare::axes::Axis;
 
 /// The order of splats in tiles.
@@ -81,14 +81,14 @@ fields! {
     /// Buffers, kept from frame to frame.
     pub struct Bins by device {
         radix: Radix = Radix::new(device)?,
-        records: [Kept<[u32; 2]>; 2] =
-            ["sort records", "sort records, moved"].map(|name| Kept::new(name, Memory::Device)),
-        counts: Kept<u32> = Kept::new("tile counts by run", Memory::Device),
-        cursors: Kept<u32> = Kept::new("tile cursors by run", Memory::Device),
+        records: [Scratch<[u32; 2]>; 2] =
+            ["sort records", "sort records, moved"].map(|name| Scratch::new(name, Memory::Device)),
+        counts: Scratch<u32> = Scratch::new("tile counts by run", Memory::Device),
+        cursors: Scratch<u32> = Scratch::new("tile cursors by run", Memory::Device),
         scan: Option<Scan> = None,
         overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
         longest: Buffer<u32> = device.buffer("longest tile list", 1, Memory::Device)?,
-        entries: Kept<u32> = Kept::new("ordered tile entries", Memory::Device),
+        entries: Scratch<u32> = Scratch::new("ordered tile entries", Memory::Device),
     }
 }
 

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 
 use crate::check::stage::{Dot, HALF_ULP, dot};
-use pellucid_engine::reference::moments::{Absorption, optical_depth, place_of, power_moments};
-use pellucid_engine::reference::wavelet::{self, places};
-use pellucid_engine::scene::{Method, Wavelet};
+use pellucid_reference::moments::{Absorption, optical_depth, place_of, power_moments};
+use pellucid_reference::wavelet::{self, places};
+use pellucid_scene::{Method, Wavelet};
 
 /// Discs of one depth, color and opacity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,9 +98,9 @@ pub fn bound(layers: &[Layer], range: [f32; 2], method: &Method) -> f64 {
 mod tests {
     use super::*;
     use crate::check::stage::fragments;
-    use pellucid_engine::reference::moments::moments;
-    use pellucid_engine::reference::wavelet::wavelet;
-    use pellucid_engine::scene::{MomentCount, Moments};
+    use pellucid_reference::moments::moments;
+    use pellucid_reference::wavelet::wavelet;
+    use pellucid_scene::{MomentCount, Moments};
 
     #[test]
     fn layers_are_what_their_discs_are() {

@@ -6,7 +6,7 @@ use self::known::{Layer, bound, dots, known};
 use super::naive;
 use super::stage::{COLORS, COMPENSATED, Dot, HALF_ULP, composed};
 use super::{Case, CaseResult, Finding, Stage, one};
-use pellucid_engine::scene::{Hybrid, Method, MomentCount, Moments, Tail, Wavelet};
+use pellucid_scene::{Hybrid, Method, MomentCount, Moments, Tail, Wavelet};
 
 /// Depths of the near and far plane of [`super::stage::pixels`].
 const RANGE: [f32; 2] = [0.5, 1e7];

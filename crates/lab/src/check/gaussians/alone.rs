@@ -8,11 +8,11 @@ use super::super::naive::gaussians::Seen;
 use super::super::stage::HALF_ULP;
 use super::super::{Finding, Stage};
 use super::splats::{Splat, View, cloud};
+use pellucid_core::image::Image;
 use pellucid_engine::Result;
-use pellucid_engine::image::Image;
-use pellucid_engine::reference::gaussians::{self, Hit};
-use pellucid_engine::reference::range::Range;
-use pellucid_engine::scene::{Method, Order};
+use pellucid_reference::gaussians::{self, Hit};
+use pellucid_reference::range::Range;
+use pellucid_scene::{Method, Order};
 
 /// Facts about a pixel that a Gaussian may cover.
 #[derive(Debug, Clone, Copy)]

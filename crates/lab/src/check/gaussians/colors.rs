@@ -9,10 +9,10 @@ use super::alone::Shares;
 use super::shapes::some;
 use super::splats::{Splat, View, cloud, part};
 use super::{CaseResult, before};
+use pellucid_core::camera::Camera;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::reference::gaussians::harmonics;
-use pellucid_engine::scene::{ColorSpace, GaussianSettings, Method};
+use pellucid_reference::gaussians::harmonics;
+use pellucid_scene::{ColorSpace, GaussianSettings, Method};
 
 /// The most that a basis function of a degree has if no term of it is negative: 35 z⁴ − 30 z² + 3 has 68 of its factor.
 const LOUDEST: [f64; 4] = [0.49, 0.64, 0.84, 7.2];

@@ -8,7 +8,7 @@ use super::super::{Finding, Stage};
 use super::CaseResult;
 use super::splats::{Splat, View, cloud};
 use pellucid_engine::Result;
-use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
+use pellucid_scene::{GaussianSettings, Kernel, Method};
 
 /// Roundings in an optical depth over itself: of the axes and of the frame of a Gaussian that is turned by nothing,
 /// some 12; of the density, its logarithm included, 8; of the chord and of the exponential, 8.

@@ -12,7 +12,7 @@ use super::shapes::{KERNELS, by, in_both, some};
 use super::splats::{Splat, View, cloud};
 use super::{CaseResult, before};
 use pellucid_engine::Result;
-use pellucid_engine::scene::{GaussianSettings, Method};
+use pellucid_scene::{GaussianSettings, Method};
 
 const SIZE: [u32; 2] = [64, 48];
 

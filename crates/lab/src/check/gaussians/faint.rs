@@ -8,7 +8,7 @@ use super::CaseResult;
 use super::splats::{Splat, View, cloud};
 use glam::Vec3;
 use pellucid_engine::Result;
-use pellucid_engine::scene::{GaussianSettings, Method};
+use pellucid_scene::{GaussianSettings, Method};
 
 const COUNT: u32 = 100_000;
 const OPACITY: f32 = 1e-5;

@@ -17,8 +17,8 @@ use super::discs::exact_coverage;
 use super::lists::{approximations, exact, with_peel};
 use super::stage::perspective;
 use super::{Case, CaseResult, each, joined};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::scene::{Discs, Hybrid, Method};
+use pellucid_core::camera::Camera;
+use pellucid_scene::{Discs, Hybrid, Method};
 
 pub(super) fn cases() -> Vec<Case> {
     joined([shapes(), ends(), lists(), ellipsoids()])

@@ -10,9 +10,9 @@ use super::shapes::some;
 use super::splats::{Splat, View, cloud, part, turned, unordered};
 use super::together::Scene;
 use super::{CaseResult, before};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::scene::{ColorSpace, GaussianSettings, Method, Order};
+use pellucid_core::points::Points;
+use pellucid_scene::prepare::order;
+use pellucid_scene::{ColorSpace, GaussianSettings, Method, Order};
 
 const PRIMARIES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 

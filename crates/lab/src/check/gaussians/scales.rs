@@ -8,8 +8,8 @@ use super::alone::alone;
 use super::shapes::{KERNELS, by, by_both, in_both, some};
 use super::splats::{Splat, View};
 use super::{CaseResult, before};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
+use pellucid_core::camera::Camera;
+use pellucid_scene::{GaussianSettings, Kernel, Method};
 
 const SIZE: [u32; 2] = [64, 48];
 

@@ -9,10 +9,10 @@ use super::super::stage::{HALF_ULP, perspective};
 use super::alone::{Expected, Known, Shares, alone, compared};
 use super::splats::{Splat, View, cloud, part, turned};
 use super::{CaseResult, before};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::reference::gaussians::{Placed, ewa, gaussian};
-use pellucid_engine::reference::range::Range;
-use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_reference::gaussians::{Placed, ewa, gaussian};
+use pellucid_reference::range::Range;
+use pellucid_scene::{GaussianSettings, Kernel, Method};
 
 const SIZE: [u32; 2] = [64, 48];
 

@@ -3,12 +3,12 @@
 use glam::{DVec3, Mat3, Quat, Vec3};
 
 use super::super::stage;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::cloud::gaussians::{Gaussians, REACH, coefficients};
+use pellucid_core::camera::Camera;
+use pellucid_core::cloud::gaussians::{Gaussians, REACH, coefficients};
+use pellucid_core::points::Points;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::scene::{ColorSpace, GaussianSettings, Method};
+use pellucid_scene::prepare::order;
+use pellucid_scene::{ColorSpace, GaussianSettings, Method};
 
 /// A Gaussian of a case.
 #[derive(Debug, Clone, PartialEq)]

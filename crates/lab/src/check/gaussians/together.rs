@@ -9,11 +9,11 @@ use super::super::Stage;
 use super::super::discs::roundings;
 use super::super::stage::HALF_ULP;
 use super::splats::View;
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::points::Points;
-use pellucid_engine::reference::range::Range;
-use pellucid_engine::reference::{abuffer, coverage, gaussians, shading};
-use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Method, Order, Shading};
+use pellucid_reference::range::Range;
+use pellucid_reference::{abuffer, coverage, gaussians, shading};
+use pellucid_scene::{ColorSpace, DiscShape, Discs, Method, Order, Shading};
 
 use super::alone::Shares;
 

@@ -1,7 +1,7 @@
 //! Filters of an image without their precautions: background at an infinite depth, sums by the weights of the inner
 //! pixels.
 
-use pellucid_engine::image::Image;
+use pellucid_core::image::Image;
 
 /// An image to filter; pixels outside count as background.
 #[derive(Debug, Clone)]

@@ -3,8 +3,8 @@
 use glam::{Mat2, Mat3, Vec2, Vec3};
 
 use crate::check::gaussians::splats::{Splat, View};
-use pellucid_engine::camera::Projection;
-use pellucid_engine::scene::Order;
+use pellucid_core::camera::Projection;
+use pellucid_scene::Order;
 
 /// A Gaussian in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,8 +5,8 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use crate::check::stage::Dot;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::reference::soft::Ray;
+use pellucid_core::camera::Camera;
+use pellucid_reference::soft::Ray;
 
 /// Soft spheres (Seemann et al. 2018) as the paper writes them: the ray by b² − c, Eq. 5 to 7 with a difference of two
 /// antiderivatives and of their logarithms, running sums of colors and weights, 1 − exp(−x).

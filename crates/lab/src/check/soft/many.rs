@@ -8,9 +8,9 @@ use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lamb
 use crate::check::naive::{self, over};
 use crate::check::stage::{Dot, HALF_ULP, apart, bytes_apart, cloud, composed, dot, graded, mixed, pixels};
 use crate::check::{Finding, Stage};
-use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::reference::soft::{Behind, Model, Ray, Scene};
-use pellucid_engine::scene::{Density, Method, SoftMethod};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_reference::soft::{Behind, Model, Ray, Scene};
+use pellucid_scene::{Density, Method, SoftMethod};
 
 pub(super) fn inside_one(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let (camera, size) = (wide(90.0, 0.01), [8, 6]);

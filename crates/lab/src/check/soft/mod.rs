@@ -9,9 +9,9 @@ use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, HALF_ULP, ULP, at, cloud, colors_of, perspective};
 use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft, SoftMethod};
+use pellucid_core::camera::Camera;
+use pellucid_reference::soft::{Behind, Model, Scene};
+use pellucid_scene::{Density, Method, OneLayer, Shells, Soft, SoftMethod};
 
 /// Relative error of an optical depth: the guarantee of shaders/shared/absorb.wgsl for its quadrature.
 const INTEGRAL: f64 = 1e-5;

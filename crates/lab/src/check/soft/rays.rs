@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::stage::{Dot, HALF_ULP, ULP, apart, pixels};
 use crate::check::{Finding, Stage, naive};
-use pellucid_engine::camera::Camera;
-use pellucid_engine::reference::soft::density::antiderivative;
-use pellucid_engine::scene::{Density, Shells, Soft, SoftLayout, SoftMethod};
+use pellucid_core::camera::Camera;
+use pellucid_reference::soft::density::antiderivative;
+use pellucid_scene::{Density, Shells, Soft, SoftLayout, SoftMethod};
 
 /// The integral of ρ over a whole chord.
 fn chord(radius: f64, distance: f64) -> f64 {

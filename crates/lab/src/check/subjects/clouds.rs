@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Quat, Vec3};
 
-use pellucid_engine::cloud::gaussians::{Gaussians, REACH, coefficients};
-use pellucid_engine::points::Points;
-use pellucid_engine::random::threefry2x32;
+use pellucid_core::cloud::gaussians::{Gaussians, REACH, coefficients};
+use pellucid_core::points::Points;
+use pellucid_core::random::threefry2x32;
 
 /// A number in [0, 1) for a point, of several that it has.
 fn part(cloud: u32, point: u32, which: u32) -> f64 {

@@ -1,7 +1,7 @@
 //! Follows the error of one method from frame to frame.
 
-use pellucid_engine::image::LinearImage;
-use pellucid_engine::metrics;
+use pellucid_core::image::LinearImage;
+use pellucid_core::metrics;
 
 use super::{Candidate, Curve, FrameError};
 
@@ -77,7 +77,7 @@ fn each(a: [f32; 3], b: [f32; 3], of: impl Fn(f32, f32) -> f32) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
-    use pellucid_engine::scene::{Discs, Method};
+    use pellucid_scene::{Discs, Method};
 
     use super::*;
 

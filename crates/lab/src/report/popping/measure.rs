@@ -1,15 +1,15 @@
 //! Renders the frames of a path by all methods.
 
 use glam::Vec3;
+use pellucid_core::camera::Camera;
+use pellucid_core::image::LinearImage;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Frame, Renderer, Upload};
-use pellucid_engine::output::linear;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::Method;
+use pellucid_gpu::Device;
+use pellucid_io::output::linear;
+use pellucid_scene::Method;
+use pellucid_scene::prepare::Arranged;
 
 use super::{Candidate, Follower, Popping, Refused};
 use pellucid_session::choice::Renderers;

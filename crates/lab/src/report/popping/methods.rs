@@ -1,8 +1,8 @@
 //! Choice of the methods that are followed, and of the exact method for each.
 
+use pellucid_core::points::Points;
 use pellucid_engine::plan;
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Discs, Family, GaussianSettings, Method, Order};
+use pellucid_scene::{Discs, Family, GaussianSettings, Method, Order};
 
 /// A method with its setting.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,8 +69,8 @@ fn is_exact(method: &Method, points: &Points) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use pellucid_engine::cloud::gaussians::Gaussians;
-    use pellucid_engine::scene::Spbr;
+    use pellucid_core::cloud::gaussians::Gaussians;
+    use pellucid_scene::Spbr;
 
     use super::*;
 

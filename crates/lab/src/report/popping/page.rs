@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use maud::{Markup, html};
-use pellucid_engine::output;
+use pellucid_io::output;
 use serde::Serialize;
 
 use super::{Curve, FrameError, Popping};

@@ -11,8 +11,8 @@ use super::{Cell, Settings, Skipped, Slope, Sweep, Workload, page};
 use crate::report::page::{Drawn, add, mib};
 use crate::report::plot::{Axis, Figure, Guide, PANEL, Panel, Point, Series};
 use crate::report::records::{self, record};
-use pellucid_engine::gpu::DeviceInfo;
-use pellucid_engine::output::{self, Files};
+use pellucid_gpu::DeviceInfo;
+use pellucid_io::output::{self, Files};
 
 /// Errors below are drawn at this value: an error of 0 has no place on a logarithmic axis.
 const ERROR_FLOOR: f64 = 1e-9;

@@ -21,7 +21,7 @@ pub(super) mod sweep;
 use serde::{Deserialize, Serialize};
 
 use super::fit::{PowerLaw, power_law};
-use pellucid_engine::scene::Method;
+use pellucid_scene::Method;
 
 pub use files::{Report, write};
 pub use sweep::run;

@@ -2,17 +2,17 @@
 
 use std::time::Duration;
 
-use pellucid_engine::progress::Progress;
+use pellucid_core::progress::Progress;
 
 use super::{Cell, Pass, Settings, Skipped, Spread, Sweep, Workload};
 use crate::report::truth::Truth;
 use crate::report::unique;
+use pellucid_core::camera::Camera;
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame, FrameProfile, Rendered, Renderer};
-use pellucid_engine::points::Points;
-use pellucid_engine::scene::{self, Method, Scene, procedural};
+use pellucid_gpu::Device;
+use pellucid_scene::{self as scene, Method, Scene, procedural};
 
 /// A frame that takes less is not predicted from: it shows what a frame costs, not what its fragments do.
 const NOISE_SECONDS: f64 = 0.01;
@@ -217,6 +217,6 @@ mod tests {
     fn a_limit_of_a_method_is_a_reason_and_a_lost_device_is_an_error() {
         let reason = refusal(methods::Error::PixelOverflow { x: 3, y: 4 }).unwrap();
         assert!(reason.contains("pixel (3, 4)"), "{reason}");
-        assert!(refusal(pellucid_engine::gpu::Error::Lost { during: "a test".into() }.into()).is_err());
+        assert!(refusal(pellucid_gpu::Error::Lost { during: "a test".into() }.into()).is_err());
     }
 }

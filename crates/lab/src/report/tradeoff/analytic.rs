@@ -6,15 +6,15 @@ use glam::{DVec3, Vec3};
 
 use super::{Analytic, Row};
 use crate::report::fit::{PowerLaw, power_law};
-use pellucid_engine::camera::Projection;
-use pellucid_engine::image::LinearImage;
+use pellucid_core::camera::Projection;
+use pellucid_core::image::LinearImage;
+use pellucid_core::metrics;
 use pellucid_engine::methods::Frame;
-use pellucid_engine::metrics;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::prepare::ensembles::{Dealt, Surface};
-use pellucid_engine::reference::shading::shade;
-use pellucid_engine::reference::spbr::points_per_pixel;
-use pellucid_engine::scene::ColorSpace;
+use pellucid_reference::shading::shade;
+use pellucid_reference::spbr::points_per_pixel;
+use pellucid_scene::ColorSpace;
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::prepare::ensembles::{Dealt, Surface};
 
 /// Cells of the image, along each side, in which points are counted.
 const CELLS: usize = 8;

@@ -1,7 +1,7 @@
 //! The figures and their captions.
 
 use maud::{Markup, html};
-use pellucid_engine::output;
+use pellucid_io::output;
 
 use super::surfaces::figures::{self as surfaces, Over};
 use super::{Analytic, Convergence, Errors, Row, Tradeoff};

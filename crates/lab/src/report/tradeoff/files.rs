@@ -12,7 +12,7 @@ use crate::report::page::add;
 use crate::report::popping;
 use crate::report::records::{self, record};
 use crate::report::stress::Spread;
-use pellucid_engine::output::{self, Files};
+use pellucid_io::output::{self, Files};
 
 /// Columns of `tradeoff.csv`. A skipped setting has its reason in place of figures.
 const COLUMNS: &str = "

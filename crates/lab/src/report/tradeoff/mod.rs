@@ -29,7 +29,7 @@ use super::popping::Popping;
 use super::stress::Spread;
 
 /// The error of an image against the reference, on composed linear R, G, B of all pixels; see
-/// [`pellucid_engine::metrics`].
+/// [`pellucid_core::metrics`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Root of the mean squared difference.

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::{Cause, Reference, Row, Shaded};
-use pellucid_engine::atomic::Staged;
-use pellucid_engine::output;
+use pellucid_core::atomic::Staged;
+use pellucid_io::output;
 
 const NAME: &str = "tradeoff.partial.json";
 

@@ -12,8 +12,8 @@ use image::{DynamicImage, ImageError, Rgb, RgbImage, imageops};
 use rayon::prelude::*;
 
 use super::Tradeoff;
-use pellucid_engine::color::{decode_srgb, encode_srgb};
-use pellucid_engine::output;
+use pellucid_core::color::{decode_srgb, encode_srgb};
+use pellucid_io::output;
 
 /// Wider pictures are reduced by a whole factor until they are no wider.
 const MAX_WIDTH: u32 = 640;

@@ -62,7 +62,7 @@ impl Seeds {
             rmse,
             // A square already.
             nmse: mean(|e| e.nmse),
-            psnr: Some(pellucid_engine::metrics::psnr(rmse)).filter(|psnr| psnr.is_finite()),
+            psnr: Some(pellucid_core::metrics::psnr(rmse)).filter(|psnr| psnr.is_finite()),
             ssim: mean(|e| e.ssim),
             flip: mean(|e| e.flip),
             max: mean(|e| e.max),

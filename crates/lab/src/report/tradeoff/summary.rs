@@ -81,7 +81,7 @@ mod tests {
     use super::*;
     use crate::report::tradeoff::Errors;
     use crate::report::tradeoff::partial::Timed;
-    use pellucid_engine::scene::Discs;
+    use pellucid_scene::Discs;
     use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};
 
     fn measured(times: &[f64], rmse: f64) -> Measured {

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use pellucid_engine::output::write_rgb_png;
-use pellucid_engine::scene::{Discs, Method, Stochastic};
+use pellucid_io::output::write_rgb_png;
 use pellucid_lab::report::fit::power_law;
 use pellucid_lab::report::popping::{Candidate, Curve, FrameError, Popping, Refused};
 use pellucid_lab::report::stress::Spread;
 use pellucid_lab::report::tradeoff::{
     Cause, Convergence, Errors, Finding, Look, Reference, Repeats, Row, Skipped, Tradeoff, Worst,
 };
+use pellucid_scene::{Discs, Method, Stochastic};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

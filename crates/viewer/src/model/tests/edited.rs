@@ -4,7 +4,7 @@ use super::*;
 use crate::controls::{self, Extent};
 use crate::statistics::{FieldFacts, Statistics};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::{DiscShape, METHODS, Shells, method_keys};
+use pellucid_scene::{DiscShape, METHODS, Shells, method_keys};
 
 fn word(word: &str) -> Setting {
     Setting::Word(word.to_owned())

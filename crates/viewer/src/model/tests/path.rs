@@ -1,9 +1,9 @@
 //! Key frames: made of the camera, gone to, played, saved, and read from files.
 
 use super::*;
-use pellucid_engine::camera::import::Source;
-use pellucid_engine::camera::path::{CameraPath, Key};
-use pellucid_engine::scene::{CameraSettings, Course};
+use pellucid_core::camera::import::Source;
+use pellucid_core::camera::path::{CameraPath, Key};
+use pellucid_scene::{CameraSettings, Course};
 
 /// A model with three keys, half a turn of the picture's height apart, and the cameras of their pictures.
 fn with_keys() -> (Model, Vec<CameraSettings>) {
@@ -31,7 +31,7 @@ fn a_key_is_the_camera_that_is_shown() {
     let (mut model, cameras) = with_keys();
     let scene = Scene::clone(model.scene());
     let half = DVec3::splat(3.0);
-    let points = pellucid_engine::points::Points {
+    let points = pellucid_core::points::Points {
         positions: vec![-half, half],
         colors: vec![glam::Vec3::ONE; 2],
         opacities: vec![1.0; 2],
@@ -41,10 +41,10 @@ fn a_key_is_the_camera_that_is_shown() {
     let course = Course::new(&scene, &points, UpAxis::Z).unwrap();
     let text = model.route.path(SIZE).to_json();
     let path = CameraPath::from_json(&text, Path::new("p.json")).unwrap();
-    let curve = pellucid_engine::camera::path::Curve::new(&path, &course.defaults()).unwrap();
+    let curve = pellucid_core::camera::path::Curve::new(&path, &course.defaults()).unwrap();
     let frames = curve.frames(5);
     for (frame, camera) in [(0, &cameras[0]), (2, &cameras[1]), (4, &cameras[2])] {
-        let shown = pellucid_engine::scene::camera_at(camera, &points.bounds().unwrap(), f64::from(0.1f32)).unwrap();
+        let shown = pellucid_scene::camera_at(camera, &points.bounds().unwrap(), f64::from(0.1f32)).unwrap();
         assert_eq!(course.camera(&frames[frame]).unwrap(), shown, "frame {frame}");
     }
     // From anywhere a key leads back there, with the depths of the scene.

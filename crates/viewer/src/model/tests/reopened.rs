@@ -5,8 +5,8 @@ use pellucid_testing::with_device;
 use super::*;
 use crate::messages::Setup;
 use crate::worker::{Worker, Workload};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::scene::{self, Opened};
+use pellucid_gpu::Device;
+use pellucid_scene::{self as scene, Opened};
 use pellucid_session::{Clouds, Sources};
 
 /// Runs the tasks of a model until a picture is there that nothing was left out of; its pixels.

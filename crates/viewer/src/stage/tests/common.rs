@@ -8,9 +8,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
-use pellucid_engine::gpu::Buffer;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
-use pellucid_engine::scene::{ColorSpace, Document, Overrides, Setting, Shading};
+use pellucid_gpu::Buffer;
+use pellucid_scene::{ColorSpace, Document, Overrides, Setting, Shading};
 
 /// Points in a flat box, some of them in the same place, with all that settings pick from but radii.
 pub fn cloud(seed: u64, count: usize) -> Cloud {

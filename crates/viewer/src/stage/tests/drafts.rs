@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::display::SceneImage;
-use pellucid_engine::metrics;
-use pellucid_engine::scene::{procedural, take_generated};
+use pellucid_core::metrics;
+use pellucid_scene::{procedural, take_generated};
 
 const SIZE: [u32; 2] = [243, 182];
 

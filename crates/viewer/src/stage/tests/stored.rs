@@ -3,11 +3,11 @@
 
 use super::*;
 use crate::sources::{Opened, statistics};
-use pellucid_engine::io::ply;
-use pellucid_engine::io::store::build::Settings;
-use pellucid_engine::io::store::{self, Store};
 use pellucid_engine::methods;
-use pellucid_engine::scene::{self, procedural};
+use pellucid_io::ply;
+use pellucid_io::store::build::Settings;
+use pellucid_io::store::{self, Store};
+use pellucid_scene::{self as scene, procedural};
 use pellucid_session::Silent;
 use std::sync::Arc;
 

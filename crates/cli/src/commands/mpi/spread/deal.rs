@@ -1,11 +1,11 @@
 //! Deals the points of a scene to all ranks, run by run.
 
+use pellucid_core::points::{Known, Points};
 use pellucid_engine::passes::portion::{Portion, Runs, joined};
-use pellucid_engine::points::{Known, Points};
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::stored::Stored;
-use pellucid_engine::supply::Failure;
 use pellucid_engine::{Result, methods, passes};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::stored::Stored;
+use pellucid_scene::supply::Failure;
 use pellucid_session::Assembled;
 use rayon::prelude::*;
 use serde_json::{Value, json};

@@ -2,10 +2,10 @@
 
 use std::convert::Infallible;
 
+use pellucid_core::points::{Points, Unreadable};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::portion::Portion;
 use pellucid_engine::passes::project::Beam;
-use pellucid_engine::points::{Points, Unreadable};
 
 use super::super::cut::is_empty;
 use super::super::ranks::Ranks;
@@ -111,7 +111,7 @@ fn take_piece(mut bytes: &[u8], parts: &mut Vec<Points>) -> Result<(), Unreadabl
 #[cfg(test)]
 mod tests {
     use glam::{DVec3, Vec3};
-    use pellucid_engine::camera::{Camera, Projection};
+    use pellucid_core::camera::{Camera, Projection};
     use pellucid_engine::passes::portion::Runs;
     use pellucid_engine::passes::project::Extent;
 

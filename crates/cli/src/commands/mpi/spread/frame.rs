@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::portion::{Portion, joined};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::supply::Held;
+use pellucid_scene::supply::Held;
 
 use super::super::cut::is_empty;
 use super::super::ranks::Ranks;

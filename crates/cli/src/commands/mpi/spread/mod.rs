@@ -13,12 +13,12 @@ pub mod worker;
 
 use std::sync::Arc;
 
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{Arranged, Supplied};
-use pellucid_engine::progress::Phase;
-use pellucid_engine::scene::{Error, MethodChoice};
-use pellucid_engine::supply::Held;
+use pellucid_core::points::Points;
+use pellucid_core::progress::Phase;
 use pellucid_engine::{Result, methods, passes};
+use pellucid_scene::prepare::{Arranged, Supplied};
+use pellucid_scene::supply::Held;
+use pellucid_scene::{Error, MethodChoice};
 use pellucid_session::{Prepared, Session};
 
 use self::deal::{Dealer, Spread};

@@ -1,9 +1,9 @@
 //! Orders of the first rank to the others.
 
+use pellucid_core::points::Known;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::points::Known;
 use serde::{Deserialize, Serialize};
 
 use super::super::ranks::{Ranks, encoded};
@@ -34,8 +34,8 @@ pub fn send_to_others(ranks: &Ranks, order: &Order, bytes: Option<&[u8]>) {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
-    use pellucid_engine::camera::{Camera, Projection};
-    use pellucid_engine::scene::{Method, Scene};
+    use pellucid_core::camera::{Camera, Projection};
+    use pellucid_scene::{Method, Scene};
 
     use super::*;
 

@@ -4,12 +4,12 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
+use pellucid_core::points::{Points, Unreadable};
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::portion::{Portion, Runs};
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
-use pellucid_engine::points::{Points, Unreadable};
 
 use super::super::ranks::{Ranks, decoded, encoded};
 use super::super::turn::Turn;

@@ -17,7 +17,7 @@ use super::{LOCAL_LENGTH, Room, RunBuffers, Shown, WindowJob};
 use crate::choices::Choices;
 use crate::fields;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
 use crate::methods::Target;
 use crate::passes::bands::Band;
 use crate::passes::bin::OrderedTiles;
@@ -40,10 +40,10 @@ fields! {
     /// Buffers of sorting and blending, kept from frame to frame.
     pub struct Blender by device {
         classes: Buffer<u32> = device.buffer("classes", CLASS_WORDS * (CLASSES.len() as u64 + 1), Memory::Device)?,
-        pixels: Kept<u32> = Kept::new("pixels by class", Memory::Device),
-        runs: Kept<ListRun> = Kept::new("list runs", Memory::Device),
-        lists: Kept<LongList> = Kept::new("long lists", Memory::Device),
-        partials: Kept<Partial> = Kept::new("partial sums", Memory::Device),
+        pixels: Scratch<u32> = Scratch::new("pixels by class", Memory::Device),
+        runs: Scratch<ListRun> = Scratch::new("list runs", Memory::Device),
+        lists: Scratch<LongList> = Scratch::new("long lists", Memory::Device),
+        partials: Scratch<Partial> = Scratch::new("partial sums", Memory::Device),
         work: Buffer<LongWork> = device.buffer("long work", 1, Memory::Device)?,
         long: RunBuffers = RunBuffers::default(),
         /// `true` if workgroups share lists.

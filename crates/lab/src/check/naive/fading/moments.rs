@@ -1,6 +1,6 @@
 //! Moment-based transparency after Münstermann et al. (2018).
 
-use pellucid_engine::scene::Moments;
+use pellucid_scene::Moments;
 
 use super::{depth, optical_depth, resolved};
 use crate::check::stage::Dot;
@@ -123,7 +123,7 @@ fn quartic([a, b, c, d]: [f32; 4]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use pellucid_engine::scene::MomentCount;
+    use pellucid_scene::MomentCount;
 
     use super::*;
     use crate::check::stage::{dot, fragments};
@@ -153,7 +153,7 @@ mod tests {
         let (list, colors) = fragments(&dots);
         for moments in MomentCount::ALL {
             let settings = Moments { moments, ..Moments::default() };
-            let wanted = pellucid_engine::reference::moments::moments(&list, &colors, [1.0, 10.0], &settings);
+            let wanted = pellucid_reference::moments::moments(&list, &colors, [1.0, 10.0], &settings);
             let found = super::moments(&dots, [1.0, 10.0], &settings);
             assert!((f64::from(found[0]) - wanted.color.x).abs() < 2e-3, "{moments:?}: {found:?} {wanted:?}");
             assert!((f64::from(found[3]) - wanted.alpha).abs() < 1e-5, "{moments:?}: {found:?} {wanted:?}");

@@ -5,17 +5,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
+use pellucid_core::image::LinearImage;
+use pellucid_core::metrics::{self, difference_picture};
+use pellucid_core::points::Points;
+use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Frame, Renderer, Upload};
-use pellucid_engine::metrics::{self, difference_picture};
-use pellucid_engine::output::{linear, write_rgb_png};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Discs, GaussianSettings, Hybrid, Method};
+use pellucid_gpu::Device;
+use pellucid_io::output::{linear, write_rgb_png};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{Discs, GaussianSettings, Hybrid, Method};
 
 use super::{Cause, Change};
 use crate::report::tradeoff::surfaces::Clouds;
@@ -196,8 +196,8 @@ fn stem(change: &Change) -> String {
 mod tests {
     use super::super::changes;
     use super::*;
-    use pellucid_engine::camera::Projection;
-    use pellucid_engine::scene::Order;
+    use pellucid_core::camera::Projection;
+    use pellucid_scene::Order;
 
     fn image(pixels: [[f32; 3]; 4]) -> LinearImage {
         LinearImage { width: 2, height: 2, pixels: pixels.to_vec() }

@@ -1,7 +1,7 @@
 //! Table of the changes that are measured on a scene.
 
-use pellucid_engine::camera::Projection;
-use pellucid_engine::scene::{Discs, GaussianSettings, Kernel, Order};
+use pellucid_core::camera::Projection;
+use pellucid_scene::{Discs, GaussianSettings, Kernel, Order};
 
 /// Least opacity that leaves nothing visible out.
 const FAINTEST: f32 = 1e-6;

@@ -1,7 +1,7 @@
 //! The parts of an error.
 
 use glam::DVec3;
-use pellucid_engine::image::LinearImage;
+use pellucid_core::image::LinearImage;
 
 use super::{Look, worst};
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use maud::{Markup, html};
-use pellucid_engine::output;
+use pellucid_io::output;
 
 use super::super::pictures::{cropped, read, uri};
 use super::super::{DIFFERENCE_GAIN, Tradeoff};

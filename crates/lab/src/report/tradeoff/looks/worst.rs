@@ -1,6 +1,6 @@
 //! The square of an image in which it is worst.
 
-use pellucid_engine::image::LinearImage;
+use pellucid_core::image::LinearImage;
 
 use super::Worst;
 

@@ -78,8 +78,8 @@ pub fn method_by_method(settings: &[Setting]) -> Vec<usize> {
 mod tests {
     use std::time::Duration;
 
-    use pellucid_engine::points::Points;
-    use pellucid_engine::scene::Discs;
+    use pellucid_core::points::Points;
+    use pellucid_scene::Discs;
 
     use super::*;
     use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};

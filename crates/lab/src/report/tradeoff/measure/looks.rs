@@ -1,9 +1,9 @@
 //! Measures the parts of an approximation's error, against an image whose fragments have no order.
 
+use pellucid_core::image::LinearImage;
 use pellucid_engine::Result;
-use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_engine::scene::{Hybrid, Method};
+use pellucid_scene::{Hybrid, Method};
 
 use super::Run;
 use crate::report::tradeoff::Look;

@@ -10,15 +10,15 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::Vec3;
-use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::{Image, LinearImage};
+use pellucid_core::camera::Camera;
+use pellucid_core::image::{Image, LinearImage};
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
-use pellucid_engine::output::{self, linear, write_rgb_png};
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Detail, Method};
 use pellucid_engine::{Result, identity};
+use pellucid_gpu::Device;
+use pellucid_io::output::{self, linear, write_rgb_png};
+use pellucid_scene::prepare::Arranged;
+use pellucid_scene::{Detail, Method};
 
 pub use self::limit::method_by_method;
 

@@ -1,10 +1,10 @@
 //! The reference that images are compared with.
 
+use pellucid_core::image::{Image, LinearImage};
 use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::{Image, LinearImage};
 use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer};
-use pellucid_engine::output::linear;
+use pellucid_gpu::Device;
+use pellucid_io::output::linear;
 
 use super::Subject;
 use crate::report::tradeoff::surfaces::{Clouds, Silhouette, supersampled};

@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
+use pellucid_core::image::{Image, LinearImage};
+use pellucid_core::metrics::{self, difference_picture};
 use pellucid_engine::Result;
-use pellucid_engine::image::{Image, LinearImage};
 use pellucid_engine::methods::{self, Facts, Rendered, Renderer};
-use pellucid_engine::metrics::{self, difference_picture};
-use pellucid_engine::prepare::Arranged;
+use pellucid_scene::prepare::Arranged;
 
 use super::limit::{self, Account, Spent};
 use super::{ALONE_SHARE, FRAME_SHARE, Options, Run};

@@ -6,11 +6,11 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 
+use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Renderer, Upload};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::Detail;
+use pellucid_scene::Detail;
+use pellucid_scene::prepare::Arranged;
 
 /// A scene's points on the device, all or some of them; one cloud at a time, so that a frame's memory is its own.
 pub(in super::super) struct Clouds<'a> {

@@ -7,12 +7,12 @@ use glam::Vec3;
 use super::Clouds;
 use crate::report::stress::Spread;
 use crate::report::tradeoff::{Shaded, ShadedStep};
-use pellucid_engine::gpu::Device;
-use pellucid_engine::image::LinearImage;
+use pellucid_core::image::LinearImage;
+use pellucid_core::metrics::rmse;
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::metrics::rmse;
-use pellucid_engine::output::linear;
-use pellucid_engine::scene::{Detail, Light, ShadingModel, Shadows};
+use pellucid_gpu::Device;
+use pellucid_io::output::linear;
+use pellucid_scene::{Detail, Light, ShadingModel, Shadows};
 
 /// Prefix of the labels of shadow passes.
 const PASSES: &str = "shadows/";

@@ -4,14 +4,14 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use pellucid_engine::image::Image;
-use pellucid_engine::image::LinearImage;
-use pellucid_engine::image::MAX_SIDE;
+use pellucid_core::image::Image;
+use pellucid_core::image::LinearImage;
+use pellucid_core::image::MAX_SIDE;
+use pellucid_core::metrics::rmse;
 use pellucid_engine::methods::{Error, Frame, Renderer};
-use pellucid_engine::metrics::rmse;
-use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::scene::{BlendedSplats, Method, ScreenSplats};
+use pellucid_io::output::linear;
+use pellucid_scene::{BlendedSplats, Method, ScreenSplats};
 
 /// Samples across a pixel, if the image is not too large for them.
 const SAMPLES_ACROSS: u32 = 4;

@@ -1,13 +1,13 @@
 use super::{Buffer, Device, Error, GpuType, Memory};
 
 /// A buffer that is kept from frame to frame while it is large enough.
-pub struct Kept<T> {
+pub struct Scratch<T> {
     name: &'static str,
     memory: Memory,
     buffer: Option<Buffer<T>>,
 }
 
-impl<T: GpuType> Kept<T> {
+impl<T: GpuType> Scratch<T> {
     /// Not allocated yet.
     pub fn new(name: &'static str, memory: Memory) -> Self {
         Self { name, memory, buffer: None }
