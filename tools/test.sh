@@ -1,5 +1,4 @@
-#!/usr/bin/env bash
-# Runs the tests.
+# !/usr/bin/env bash Runs the tests.
 #
 #   tools/test.sh               everything that one needs to trust a change
 #   tools/test.sh --all         the long sweeps as well, and the barriers of a release build; takes an hour
@@ -9,9 +8,9 @@
 # A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the others there. What is skipped is
 # printed, as `skipped: <test>: <reason>`.
 #
-# CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of the
-# programs the barriers, the budget of registers on a GPU, the Python package and pellucid-mpi. Everything is one debug
-# build with one set of features. No skip is allowed but for the reasons that are named below. PARTS="lints suites
+# CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of
+# the programs the barriers, the budget of registers on a GPU, the Python package and pellucid-mpi. Everything is one
+# debug build with one set of features. No skip is allowed but for the reasons that are named below. PARTS="lints suites
 # programs" is all of it; "gpu lab host" and "cli window fuzz" are the two halves of the suites.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -47,8 +46,8 @@ workspace=(--locked --workspace)
 # Arguments for the tests themselves.
 run=()
 if $in_ci; then
-    # Cargo compiles a crate anew for each set of features of what it depends on. With these the wheel of tools/python.sh
-    # is made of what the tests are made of; crates/python/Cargo.toml explains `unified`.
+    # Cargo compiles a crate anew for each set of features of what it depends on. With these the wheel of
+    # tools/python.sh is made of what the tests are made of; crates/python/Cargo.toml explains `unified`.
     workspace+=(--features pellucid-cli/mpi,pellucid-python/unified)
     # Nobody has the real clouds but some developers; tests/data stands in for them.
     export PELLUCID_REQUIRE_ALL=1 PELLUCID_ALLOWED_SKIPS="${PELLUCID_ALLOWED_SKIPS:-no real clouds}"

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// Returns runs of blocks with these numbers of points: at most `count` of them, that have at most `most` points together
-/// if they are several.
+/// Returns runs of blocks with these numbers of points: at most `count` of them, that have at most `most` points
+/// together if they are several.
 pub(crate) fn batches(points: impl IntoIterator<Item = u64>, most: u64, count: usize) -> Vec<Range<usize>> {
     let (mut found, mut first, mut end, mut sum) = (Vec::new(), 0, 0, 0);
     for own in points {

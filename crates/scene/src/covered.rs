@@ -1,5 +1,5 @@
-//! Pixels that discs facing the screen cover, by the rule of the disc methods: those whose centers lie in a disc, and the
-//! one that its center is in.
+//! Pixels that discs facing the screen cover, by the rule of the disc methods: those whose centers lie in a disc, and
+//! the one that its center is in.
 
 use std::ops::Range;
 

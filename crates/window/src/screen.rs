@@ -230,7 +230,7 @@ impl Screen {
             if let Some(Picture { size, at, pixels }) = picture
                 && let Some(region) = region(*size, *at, swapchain.extent)
             {
-                // What earlier submissions wrote is copied.
+                // Results of earlier submissions are copied.
                 full_barrier(&self.context, commands);
                 let source = pixels.all().raw();
                 let region = region.buffer_offset(source.offset);

@@ -1,5 +1,5 @@
-// The runs of sorted lists: bindings of the passes over them, and of one run its pixel in the image, and its fragments in
-// the band's buffer, from the first to one behind the last. Imported after what binds the splats.
+// The runs of sorted lists: bindings of the passes over them, and of one run its pixel in the image, and its fragments
+// in the band's buffer, from the first to one behind the last. Imported after what binds the splats.
 #import long_list
 #import dispatch
 @group(0) @binding(17) var<storage, read_write> work: LongWork;

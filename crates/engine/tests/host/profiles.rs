@@ -3,7 +3,8 @@
 
 use pellucid_testing::root;
 
-/// Returns the attributes of a text that compile something in one kind of build alone: number of the line, and the line.
+/// Returns the attributes of a text that compile something in one kind of build alone: number of the line, and the
+/// line.
 fn attributes(text: &str) -> Vec<(usize, &str)> {
     let is_one = |line: &str| line.starts_with("#[cfg") && line.contains("debug_assertions");
     text.lines().map(str::trim).enumerate().filter(|(_, line)| is_one(line)).map(|(at, line)| (at + 1, line)).collect()

@@ -1,4 +1,4 @@
-//! What settings of soft spheres mean, against the reference.
+//! Settings of soft spheres give the model of the reference.
 
 use pellucid_engine::methods::soft::SoftModel;
 use pellucid_reference::soft::Strength;

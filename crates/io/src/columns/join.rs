@@ -4,8 +4,8 @@ use bytemuck::Zeroable;
 use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
-/// Takes a column of each part, and returns their values, one part behind the other, copied on all cores. Each part's is
-/// gone once it is copied.
+/// Takes a column of each part, and returns their values, one part behind the other, copied on all cores. Each part's
+/// is gone once it is copied.
 pub(crate) fn taken<P, T: Zeroable + Copy + Send + Sync>(
     parts: &mut [P],
     column: impl Fn(&mut P) -> &mut Vec<T>,

@@ -1,9 +1,9 @@
 //! Declaration of the keys of the scene file: once, beside the field that they set.
 //!
-//! [`settings!`] declares a struct whose fields are keys, [`words!`] an enum that a file spells as words, [`value!`] how
-//! a file writes another type. The struct, its defaults, its reader and the list of its keys ([`Key`]) all follow from
-//! that one declaration; the reference of the scene file, the controls of the window and the ladders of comparisons
-//! follow from the list.
+//! [`settings!`] declares a struct whose fields are keys, [`words!`] an enum that a file spells as words, [`value!`]
+//! how a file writes another type. The struct, its defaults, its reader and the list of its keys ([`Key`]) all follow
+//! from that one declaration; the reference of the scene file, the controls of the window and the ladders of
+//! comparisons follow from the list.
 
 mod key;
 mod macros;

@@ -1,4 +1,4 @@
-//! What is measured of single settings and images, for whoever compares them (tools/study).
+//! Measurements of single settings and images, for those who compare them (tools/study).
 
 use pellucid_engine::methods::Rendered;
 
