@@ -1,6 +1,7 @@
-# !/usr/bin/env bash A short turntable by every method, under synchronization validation. Frames whose passes nobody
-# times have barriers only where one pass needs another's results. The checks that a debug build makes between passes
-# bring barriers of their own, which would hide that one is missing, so that they are off.
+#!/usr/bin/env bash
+# A short turntable by every method, under synchronization validation. Frames whose passes nobody times have barriers
+# only where one pass needs another's results. The checks that a debug build makes between passes bring barriers of
+# their own, which would hide that one is missing, so that they are off.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -37,7 +37,7 @@ step cargo fmt --all --check
 cargo fmt --all --check
 # In CI with MPI, as the tests are built there: nothing is compiled twice.
 features=()
-if [[ ${CI:-} == true ]]; then features=(--features pellucid-cli/mpi); fi
+if [[ ${CI:-} == true ]]; then features=(--features pellucid-cli/mpi,pellucid-python/unified); fi
 step cargo clippy
 cargo clippy --locked --workspace "${features[@]}" --all-targets -- -D warnings
 # Other features compile most crates again. On GitHub the job of the oldest Rust does it.

@@ -1,4 +1,5 @@
-# !/usr/bin/env bash Runs the tests.
+#!/usr/bin/env bash
+# Runs the tests.
 #
 #   tools/test.sh               everything that one needs to trust a change
 #   tools/test.sh --all         the long sweeps as well, and the barriers of a release build; takes an hour
@@ -121,6 +122,7 @@ both() {
         echo "error: failed:" >&2
         grep -hE '^test .* FAILED$|^error: ' "$log" >&2 || true
     fi
+    rm -f "$log"
     return $status
 }
 

@@ -1,5 +1,5 @@
 //! Faults on demand, for tests of what a failure leaves: in debug builds alone, by the environment variable
-//! `PELLUCID_FAULT`. A release build has neither the variable nor the checks.
+//! `PELLUCID_FAULT`. A release build takes no notice of it.
 //!
 //! Its value is `ACTION@POINT` or `ACTION@POINT:N`, as in `device-lost@wait:3`: when the point is passed for the N-th
 //! time (by default the first), the action happens, once. With `N,M,…` it happens again at the M-th time and so on.

@@ -162,11 +162,9 @@ fn in_order<L>(
     smooth: impl Fn(&L) -> L,
     soften: impl Fn(&L, f64) -> L,
 ) -> L {
-    let steps: [(u32, &dyn Fn(&L) -> L); 3] =
-        [(filters.fill, &fill), (filters.occlusion, &replace), (filters.smooth, &smooth)];
-    for (times, filter) in steps {
-        (0..times).for_each(|_| layer = filter(&layer));
-    }
+    (0..filters.fill).for_each(|_| layer = fill(&layer));
+    (0..filters.occlusion).for_each(|_| layer = replace(&layer));
+    (0..filters.smooth).for_each(|_| layer = smooth(&layer));
     if filters.antialias { soften(&layer, f64::from(filters.antialias_threshold)) } else { layer }
 }
 

@@ -57,8 +57,11 @@ pub struct CompareArgs {
     fail_slower: Vec<String>,
 }
 
+/// Returns a metric of two pictures.
+type Metric = fn(&Comparison) -> f64;
+
 /// The metrics of pictures that have a limit.
-const METRICS: [(&str, fn(&Comparison) -> f64); 7] = [
+const METRICS: [(&str, Metric); 7] = [
     ("rmse", |found| found.rmse),
     ("nmse", |found| found.nmse),
     ("psnr", |found| found.psnr),

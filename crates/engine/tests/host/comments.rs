@@ -167,3 +167,15 @@ fn other_comments_are_let_through() {
     assert!(lines_of(&"let a = 1; ".repeat(COLUMNS)).is_empty());
     assert!(offenders("# What this does.", "sh").is_empty());
 }
+
+#[test]
+fn every_script_names_its_interpreter() {
+    let scripts =
+        std::fs::read_dir(root().join("tools")).expect("the tools").map(|entry| entry.expect("a tool").path());
+    let scripts: Vec<_> = scripts.filter(|path| path.extension().is_some_and(|extension| extension == "sh")).collect();
+    assert!(scripts.len() > 5, "{scripts:?}");
+    for script in scripts {
+        let text = std::fs::read_to_string(&script).expect("a script");
+        assert!(text.starts_with("#!/usr/bin/env bash\n"), "{}", script.display());
+    }
+}

@@ -140,7 +140,7 @@ fn texture(mut claim: ShadowClaim, lit: Vec<f32>, len: usize, content: &str) -> 
     let claimed = std::mem::take(&mut claim.content);
     let whole = lit.len() == len && lit.iter().all(|m| (0.0..=1.0).contains(m));
     let same = whole && shadow_content(&claim, content).is_ok_and(|content| content == claimed);
-    same.then(|| ShadowTexture { casting: claim.casting, lit })
+    same.then_some(ShadowTexture { casting: claim.casting, lit })
 }
 
 fn read(text: &str) -> Result<Claim, String> {

@@ -118,12 +118,14 @@ impl Coding {
     }
 }
 
+/// Appends what the vertex of an index has of a property.
+type Push<'a> = Box<dyn Fn(&mut Vec<u8>, usize) + 'a>;
+
 /// A property of the vertices, or several of a type.
 pub(super) struct Property<'a> {
     names: Vec<String>,
     scalar: ScalarType,
-    /// Appends what the vertex of an index has of it.
-    push: Box<dyn Fn(&mut Vec<u8>, usize) + 'a>,
+    push: Push<'a>,
 }
 
 impl<'a> Property<'a> {

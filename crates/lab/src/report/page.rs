@@ -201,9 +201,11 @@ impl Cell {
     }
 }
 
-/// The median times of passes in ms: a row for each name, and a column for each frame, with its head, its passes and
-/// the time of them all.
-pub fn passes<'a>(title: &str, names: Vec<&'a str>, frames: Vec<(String, Vec<(&'a str, f64)>, f64)>) -> Markup {
+/// Median times of a frame in ms: its head, its passes and the time of them all.
+type Times<'a> = (String, Vec<(&'a str, f64)>, f64);
+
+/// The median times of passes: a row for each name, and a column for each frame.
+pub fn passes<'a>(title: &str, names: Vec<&'a str>, frames: Vec<Times<'a>>) -> Markup {
     let names: Vec<&str> = unique(names).into_iter().chain([ALL_PASSES]).collect();
     let mut table = Table::new(&names).text(title, |name| *name);
     for (head, passes, all) in frames {

@@ -163,11 +163,10 @@ impl CameraPath {
             return Err(Problem::whole(format!("keys: a path has from 1 to {MAX_KEYS} of them, not {count}")));
         }
         self.keys.iter().enumerate().try_for_each(|(number, key)| key.check(number))?;
-        let optional: [(_, fn(&Key) -> Option<f64>); 3] =
-            [("time", |key| key.time), ("near", |key| key.near), ("far", |key| key.far)];
-        for (name, value) in optional {
-            let first = value(&self.keys[0]).is_some();
-            if let Some(number) = self.keys.iter().position(|key| value(key).is_some() != first) {
+        for (at, name) in ["time", "near", "far"].into_iter().enumerate() {
+            let is_given = |key: &Key| [key.time, key.near, key.far][at].is_some();
+            let first = is_given(&self.keys[0]);
+            if let Some(number) = self.keys.iter().position(|key| is_given(key) != first) {
                 return Err(Problem::of_key(number, name, "either all keys have it, or none"));
             }
         }
