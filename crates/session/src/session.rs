@@ -202,6 +202,7 @@ impl Session {
     /// Renders the request by a method that was decided before, for the reason `why`.
     pub fn keep_method(&mut self, method: Method, why: String) {
         (self.frame, self.why) = (Frame { method, ..undecided(&self.prepared) }, why);
+        (self.found, self.choice) = (None, None);
     }
 
     /// Decides method and opacity, unless nothing changed of what the last ones followed from.

@@ -310,9 +310,8 @@ impl Stage {
         if changes.radii || changes.unseen {
             subject.radius = session.points().largest_radius();
         }
-        let camera = camera(&request.scene, pose, subject, session.points());
+        session.prepared.camera = camera(&request.scene, pose, subject, session.points())?;
         session.prepared.request = request;
-        session.prepared.camera = camera?;
         Ok(changes)
     }
 
@@ -329,11 +328,11 @@ impl Stage {
         let (scene, progress) = (&request.scene, &self.progress);
         sources.complete(scene, progress)?;
         let assembled = Assembled::new(sources, scene, request.wanted, &Silent, progress)?;
-        progress.set_message("uploading points");
-        let uploaded = Uploaded::new(renderer, &assembled, &Detail::default(), false)?;
         let bounds = assembled.points().bounds().ok_or_else(no_points)?;
         let subject = Subject { bounds, radius: assembled.points().largest_radius(), up: assembled.up };
         let camera = camera(scene, pose, &subject, assembled.points())?;
+        progress.set_message("uploading points");
+        let uploaded = Uploaded::new(renderer, &assembled, &Detail::default(), false)?;
         let Some((renderer, sources)) = self.waiting.take() else { return Err(no_points()) };
         let prepared = Prepared { request, assembled, camera, bounds: Some(bounds), sources };
         let session = Session::of(renderer, prepared, uploaded, &Progress::hidden());

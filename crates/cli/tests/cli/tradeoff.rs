@@ -398,7 +398,7 @@ fn an_interrupted_run_goes_on() {
     let args = args(&scene);
     let stored = interrupt(&folder, &args, 3);
     let pictures: Vec<&str> =
-        stored["settings"].as_object().unwrap().values().map(|setting| text(&setting["trial"], "picture")).collect();
+        stored["settings"].as_object().unwrap().values().map(|setting| text(&setting["row"], "picture")).collect();
     let modified = |name: &&str| fs::metadata(inside(&folder, &format!("report/{name}"))).unwrap().modified().unwrap();
     let before: Vec<_> = pictures.iter().map(modified).collect();
     assert!(!inside(&folder, "report/report.html").exists());
@@ -411,7 +411,7 @@ fn an_interrupted_run_goes_on() {
     assert_front(rows);
     for (key, setting) in stored["settings"].as_object().unwrap() {
         let row = rows.iter().find(|row| format!("{} {}", text(row, "method"), text(row, "setting")).trim_end() == key);
-        assert_eq!(row.unwrap()["errors"], setting["trial"]["errors"], "{key}");
+        assert_eq!(row.unwrap()["errors"], setting["row"]["errors"], "{key}");
     }
     assert!(!inside(&folder, PARTIAL).exists());
     let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();

@@ -96,7 +96,7 @@ impl Field {
     /// The cloud lacks the property.
     pub fn values(&self, cloud: &Cloud) -> Result<Option<Vec<f32>>, Error> {
         let values = self.unscaled(cloud, || cloud.bounds())?;
-        Ok(values.map(|values| self.scaled(&values, range(&values))))
+        Ok(values.map(|values| self.scaled(&values, range(values.iter().copied()))))
     }
 
     /// Returns the column that F is made of, for some points of a cloud with these bounds; `None` for uncertainty.
@@ -141,7 +141,7 @@ impl Field {
 
 /// Returns values from the smallest to the largest as 0 to 1, all 0 if they differ by no more than rounding.
 pub fn scaled(values: &[f64]) -> Vec<f32> {
-    scaled_in(values, range(values))
+    scaled_in(values, range(values.iter().copied()))
 }
 
 /// Scales some values of a cloud with this range.
@@ -160,9 +160,9 @@ fn share(value: f64) -> f32 {
 
 /// Returns the smallest and the largest finite value; in reverse order if no value is finite.
 #[doc(hidden)]
-pub fn range(values: &[f64]) -> [f64; 2] {
-    let finite = values.iter().filter(|value| value.is_finite());
-    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(*value), most.max(*value)])
+pub fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)])
 }
 
 fn property(values: &[f64], [least, most]: [f64; 2]) -> Vec<f32> {
@@ -245,7 +245,7 @@ mod tests {
     use super::*;
 
     fn property(values: &[f64]) -> Vec<f32> {
-        super::property(values, range(values))
+        super::property(values, range(values.iter().copied()))
     }
 
     #[test]

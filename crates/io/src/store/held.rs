@@ -28,7 +28,7 @@ impl Held {
         let points = cloud.len() as u64;
         let like = cloud.subset(&[]);
         let range = |(name, values): &(String, Vec<f32>)| {
-            let [least, most] = range(&values.iter().map(|value| f64::from(*value)).collect::<Vec<_>>());
+            let [least, most] = range(values.iter().map(|value| f64::from(*value)));
             (least <= most).then(|| (name.clone(), [least, most]))
         };
         let ranges = cloud.scalars.iter().filter_map(range).collect();

@@ -107,7 +107,7 @@ fn survey(
         if let Some(field) = field {
             let values = field.unscaled(&cloud, || Some(summary.bounds));
             let failed = |source| super::super::error::Error::Field { path: settings.path.clone(), source };
-            range = field::range(&values.map_err(failed)?.unwrap_or_default());
+            range = field::range(values.map_err(failed)?.unwrap_or_default());
         }
         Ok((Facts::of(&cloud), cloud.subset(&taken), range))
     };

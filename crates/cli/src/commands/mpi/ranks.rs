@@ -291,7 +291,8 @@ fn say(line: &str) {
 /// The value that the first rank has, to all.
 pub fn told<T: serde::Serialize + serde::de::DeserializeOwned>(value: T, ranks: &Ranks) -> T {
     let said = ranks.told(encoded(&value));
-    postcard::from_bytes(&said).unwrap_or(value)
+    postcard::from_bytes(&said)
+        .unwrap_or_else(|error| ranks.fail(&format!("rank 0 sent an unexpected message: {error}"), 1))
 }
 
 /// A value as bytes for another rank.

@@ -65,7 +65,10 @@ fn a_comparison_that_was_killed_renders_only_what_is_missing() {
     for (older, newer) in [(&first, &second), (&second, &third)] {
         for (key, setting) in settings(older) {
             let now = &newer["settings"][&key];
-            assert_eq!(now["trial"], setting["trial"], "{key} was not tried again");
+            assert!(setting["row"].is_object(), "{key} was tried");
+            for part in ["row", "seconds"] {
+                assert_eq!(now[part], setting[part], "{key} was not tried again");
+            }
             let kept = setting["frames"].as_array().unwrap();
             assert_eq!(&now["frames"].as_array().unwrap()[..kept.len()], &kept[..], "{key}: frames stay");
         }
@@ -87,7 +90,7 @@ fn a_comparison_that_was_killed_renders_only_what_is_missing() {
         let key = format!("{} {}", row["method"].as_str().unwrap(), row["setting"].as_str().unwrap());
         let setting = &third["settings"][key.trim_end()];
         assert_eq!(row["frames"].as_u64(), Some(frames(setting, 0)[0] as u64), "{key}");
-        assert_eq!(row["errors"], setting["trial"]["errors"], "{key}");
+        assert_eq!(row["errors"], setting["row"]["errors"], "{key}");
     }
     let page = fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(page.contains("in 4 runs") && page.trim_end().ends_with("</html>"));

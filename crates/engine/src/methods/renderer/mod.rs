@@ -215,7 +215,9 @@ impl Renderer {
         frame.check()?;
         self.make_ready(engine, cloud, frame, survey)?;
         self.disown_colors();
-        self.device.reset_peak();
+        if !survey {
+            self.device.reset_peak();
+        }
         if cloud.supply().is_none() && !survey {
             engine.prepare(&self.device, cloud, frame)?;
         }

@@ -58,7 +58,7 @@ impl Ranges {
                     _ => {
                         let at = attribute.at + element * (attribute.bytes / attribute.elements);
                         let each = records.chunks_exact(layout.stride).map(|record| attribute.kind.read(&record[at..]));
-                        range(&each.collect::<Vec<_>>())
+                        range(each)
                     }
                 };
                 let radius = match attribute.role {

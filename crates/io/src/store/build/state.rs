@@ -101,7 +101,8 @@ pub fn key(inputs: &[Box<dyn Store>], settings: &Settings) -> String {
     let mut add = |text: String| {
         hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
     };
-    add(format!("{} {settings:?}", env!("CARGO_PKG_VERSION")));
+    // The second form of what an unfinished build keeps.
+    add(format!("{} 2 {settings:?}", env!("CARGO_PKG_VERSION")));
     for input in inputs {
         let summary = input.summary();
         add(format!("{summary:?}"));

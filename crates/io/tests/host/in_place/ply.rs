@@ -1,6 +1,7 @@
 //! PLY files in pieces.
 
 use pellucid_io::LasColumns;
+use pellucid_io::store::PlyPieces;
 use tempfile::tempdir;
 
 use super::open::{kind, opened};
@@ -13,7 +14,13 @@ fn the_pieces_of_every_file_are_the_file() {
         match (load(&path, LasColumns::default()), opened(&path)) {
             (Ok(cloud), Ok(store)) => {
                 assert_same(&joined(&*store), &cloud, &name);
-                *(if kind(&*store) == "PlyPieces" { &mut pieces } else { &mut whole }) += 1;
+                if kind(&*store) == "PlyPieces" {
+                    pieces += 1;
+                } else {
+                    let refused = PlyPieces::open(&path).expect_err("a file that is read as a whole").to_string();
+                    assert!(refused.contains("read as a whole"), "{refused}");
+                    whole += 1;
+                }
             }
             (Err(loaded), Err(store)) => assert_eq!(store.to_string(), loaded.to_string()),
             (loaded, store) => panic!("{name}: {:?} and {:?}", loaded.err(), store.err()),

@@ -144,7 +144,7 @@ fn compute(
     let mut failure = None;
     let see = |cloud: &Cloud| {
         let unscaled = field.unscaled(cloud, || Some(source.bounds)).map(Option::unwrap_or_default);
-        unscaled.map(|values| field::range(&values))
+        unscaled.map(field::range)
     };
     let regions = regions(
         &source,

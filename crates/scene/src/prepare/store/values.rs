@@ -50,7 +50,7 @@ impl Values {
         found.sort_unstable_by_key(|(place, _)| *place);
         let mut locked = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, range) = &mut *locked;
-        let [least, most] = field::range(&found.iter().map(|(_, value)| value.spread).collect::<Vec<f64>>());
+        let [least, most] = field::range(found.iter().map(|(_, value)| value.spread));
         *range = [range[0].min(least), range[1].max(most)];
         // Points in a row are written at once.
         for run in found.chunk_by(|a, b| a.0 + 1 == b.0) {
