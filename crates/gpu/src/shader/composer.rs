@@ -75,10 +75,9 @@ pub(super) fn source<P: Pass>(stem: &str, variant: &Variant) -> Result<String, E
     }
     out.push_str(&variant.text);
     let push = P::Push::push_shape();
-    let mut composer = Composer { sources, stem, piece: P::PIECE, push, variant, out, pasted: Vec::new() };
-    composer.paste(text)?;
-    let constants = sources.constants_in(&composer.out);
-    Ok(constants + &composer.out)
+    let composer = Composer { sources, stem, piece: P::PIECE, push, variant, out, pasted: Vec::new(), index: None };
+    let composed = composer.composed(text)?;
+    Ok(sources.constants_in(&composed) + &composed)
 }
 
 /// Head of an entry point with the common workgroup.
@@ -99,16 +98,28 @@ struct Composer<'a> {
     out: String,
     /// Names of the shared pieces that are there.
     pasted: Vec<&'a str>,
+    /// Name of the invocation's number among all, if the entry point wants it.
+    index: Option<&'a str>,
 }
 
 impl<'a> Composer<'a> {
+    fn composed(mut self, text: &'a str) -> Result<String, Error> {
+        self.paste(text)?;
+        match self.index {
+            Some(index) if !self.pasted.contains(&"dispatch") => {
+                Err(error(self.stem, format!("#main {index} {{ needs #import dispatch")))
+            }
+            _ => Ok(self.out),
+        }
+    }
+
     fn paste(&mut self, text: &'a str) -> Result<(), Error> {
         for line in text.lines() {
             let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
             match word {
                 "#import" => self.paste_shared(rest.trim())?,
-                "#push" => self.write_push()?,
-                "#main" => self.write_main(rest.trim_end_matches('{').trim()),
+                "#push" => self.write_push(rest)?,
+                "#main" => self.write_main(rest)?,
                 "#walker" => self.paste_shared(self.wanted(self.variant.walker, "the variant names no walker")?)?,
                 "#piece" => self.paste_shared(self.wanted(self.piece, "the pass names no piece")?)?,
                 "#comparators" => self.out.push_str(&comparator_text(self.inputs()?)),
@@ -138,21 +149,32 @@ impl<'a> Composer<'a> {
         self.paste(shared.ok_or_else(|| error(self.stem, format!("no shared piece {name:?}")))?)
     }
 
-    fn write_push(&mut self) -> Result<(), Error> {
-        let Some(Shape::Struct { members, .. }) = &self.push else {
-            return Err(error(self.stem, "the pass declares no push constants"));
+    fn write_push(&mut self, rest: &str) -> Result<(), Error> {
+        let members = match &self.push {
+            _ if !rest.is_empty() || self.out.contains("\nstruct Push {") => {
+                return Err(error(self.stem, "#push stands alone on its line, and once"));
+            }
+            Some(Shape::Struct { members, .. }) => members,
+            Some(_) => return Err(error(self.stem, "#push needs a struct of push constants")),
+            None => return Err(error(self.stem, "the pass declares no push constants")),
         };
         let members: Vec<String> = members.iter().map(|m| format!("{}: {}", m.name, m.shape.wgsl())).collect();
-        let _ = writeln!(self.out, "struct Push {{ {} }}\nvar<immediate> push: Push;", members.join(", "));
+        let _ = writeln!(self.out, "\nstruct Push {{ {} }}\nvar<immediate> push: Push;", members.join(", "));
         Ok(())
     }
 
-    /// Writes the head of an entry point; `index` names the invocation's number among all, if it is wanted.
-    fn write_main(&mut self, index: &str) {
+    /// Writes the head of an entry point.
+    fn write_main(&mut self, rest: &'a str) -> Result<(), Error> {
+        let index = rest.strip_suffix('{').map(str::trim);
+        let Some(index) = index.filter(|index| index.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')) else {
+            return Err(error(self.stem, format!("#main {rest}: expected #main {{ or #main NAME {{")));
+        };
         self.out.push_str(MAIN);
         if !index.is_empty() {
+            self.index = Some(index);
             let _ = writeln!(self.out, "    let {index} = invocation_index(workgroup, groups, local);");
         }
+        Ok(())
     }
 
     /// Writes a line `count` times with `{name}` = 0, 1, ….
@@ -170,5 +192,48 @@ impl<'a> Composer<'a> {
 
     fn wanted<T>(&self, choice: Option<T>, missing: &str) -> Result<T, Error> {
         choice.ok_or_else(|| error(self.stem, missing))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn composed(text: &str, push: Option<Shape>) -> Result<String, String> {
+        let (sources, variant) = (&crate::SHADERS, Variant::plain());
+        let (stem, out, pasted) = ("test", String::new(), Vec::new());
+        let composer = Composer { sources, stem, piece: None, push, variant: &variant, out, pasted, index: None };
+        composer.composed(text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn directives_that_make_no_sense_are_refused_by_name() {
+        crate::gpu_struct! {
+            struct Count {
+                count: u32,
+            }
+        }
+        let count = Count::push_shape;
+        let text = composed("#push\n#main {\n}", count()).expect("push constants and an entry point");
+        assert!(text.contains("struct Push { count: u32 }\nvar<immediate> push: Push;\n@compute"), "{text}");
+        for (text, push, part) in [
+            ("#no", None, "no directive \"#no\""),
+            ("#push", None, "the pass declares no push constants"),
+            ("#push", Some(Shape::Plain("u32")), "#push needs a struct"),
+            ("#push here", count(), "#push stands alone"),
+            ("#push\n#push", count(), "and once"),
+            ("#main", None, "expected #main {"),
+            ("#main i", None, "expected #main {"),
+            ("#main a b {", None, "expected #main {"),
+            ("#main i {", None, "needs #import dispatch"),
+            ("#import nothing", None, "no shared piece \"nothing\""),
+            ("#piece", None, "the pass names no piece"),
+            ("#walker", None, "the variant names no walker"),
+            ("#comparators", None, "no sorting network"),
+            ("#each X {X}", None, "how often \"X\""),
+        ] {
+            let message = composed(text, push).expect_err(part);
+            assert!(message.contains(part), "{message:?} should say {part:?}");
+        }
     }
 }

@@ -71,9 +71,9 @@ impl Place {
             memory_budget: settings.memory_budget,
             ..Frame::new(camera, [self.side; 2], method)
         };
-        let mut renderer = Renderer::new(device)?;
-        let mut cloud = match renderer.upload(&points) {
-            Ok(cloud) => cloud,
+        let uploaded = Renderer::new(device).and_then(|renderer| Ok((renderer.upload(&points)?, renderer)));
+        let (mut cloud, mut renderer) = match uploaded {
+            Ok(uploaded) => uploaded,
             Err(error) => {
                 let reason = refusal(error)?;
                 sweep.skipped.extend(methods.iter().map(|method| self.skipped(*method, reason.clone())));
@@ -83,18 +83,23 @@ impl Place {
         // Before anything else is on the device.
         let mut runs = Vec::new();
         for method in methods {
-            match Renderer::new(device)?.render(&mut cloud, &frame(method)) {
+            match Renderer::new(device).and_then(|mut renderer| renderer.render(&mut cloud, &frame(method))) {
                 Ok(first) => runs.push(Run { method, first, frames: Vec::new() }),
                 Err(error) => sweep.skipped.push(self.skipped(method, refusal(error)?)),
             }
             device.check_validation()?;
         }
         for round in 0..=settings.frames {
-            for run in &mut runs {
-                let rendered = renderer.render(&mut cloud, &frame(run.method))?;
-                // The first round pays for buffers.
-                if round > 0 {
-                    run.frames.push(rendered.profile);
+            for mut run in std::mem::take(&mut runs) {
+                match renderer.render(&mut cloud, &frame(run.method)) {
+                    Ok(rendered) => {
+                        // The first round pays for buffers.
+                        if round > 0 {
+                            run.frames.push(rendered.profile);
+                        }
+                        runs.push(run);
+                    }
+                    Err(error) => sweep.skipped.push(self.skipped(run.method, refusal(error)?)),
                 }
             }
         }
