@@ -13,6 +13,7 @@ mod pcd;
 pub mod photo;
 pub mod ply;
 pub mod polygon;
+mod prepared;
 mod shared;
 mod splats;
 pub mod store;

@@ -38,7 +38,6 @@ pub use grid::Grid;
 pub use held::Held;
 pub use las::LasPieces;
 pub use octree::Octree;
-pub(crate) use octree::about::check_claim;
 pub use open::{announced, has_levels, is_folder, open};
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};

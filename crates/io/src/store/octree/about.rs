@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::attributes::{Layout, Role};
+use crate::prepared::check_claim;
 use pellucid_core::cloud::field::Field;
 use pellucid_core::cloud::shadow_texture::{Casting, ShadowTexture};
 use pellucid_core::cloud::{Cloud, Prepared, UpAxis};
@@ -64,17 +65,6 @@ impl PreparedRecord {
         let shadows = casting.map(|casting| ShadowTexture { casting, lit: Vec::new() });
         Ok(Prepared { neighbors, radius_cap, estimated_radii, field: self.field.clone(), values: Vec::new(), shadows })
     }
-}
-
-/// Checks what is claimed of how a cloud was prepared.
-pub(crate) fn check_claim(neighbors: usize, radius_cap: f32) -> Result<(), String> {
-    if neighbors == 0 || neighbors > 65_535 {
-        return Err(format!("claims {neighbors} neighbors"));
-    }
-    if !(radius_cap >= 0.0 && radius_cap.is_finite()) {
-        return Err(format!("claims a radius cap of {radius_cap}"));
-    }
-    Ok(())
 }
 
 impl About {
