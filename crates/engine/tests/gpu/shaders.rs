@@ -46,7 +46,7 @@ fn every_shader_matches_its_pass_in_every_pair_of_choices() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes: SPIR-V of every variant, of which the test above takes every pair of choices"]
 fn every_shader_matches_its_pass_in_every_variant() {
     println!("{} variants", checked(shaders()));
 }
