@@ -313,6 +313,9 @@ fn the_plan_is_what_runs() {
     }
     let folder = folder();
     let tori = builtin(&folder, "tori", &["points=2000"]);
+    // No larger than the budgets below need to cut it into regions.
+    let text = fs::read_to_string(inside(&folder, &tori)).unwrap();
+    fs::write(inside(&folder, &tori), text.replace("[1024, 1024]", "[512, 512]")).unwrap();
     let stack = builtin(&folder, "stack", &["layers=300", "size=8"]);
     let has = |passes: &[String], name: &str| passes.iter().any(|pass| pass == name);
 
@@ -420,11 +423,11 @@ fn the_plan_is_what_runs() {
         }
     }
     // Soft discs before solid points: with many of either, with few, and in several regions.
-    for args in [["--size", "40x30"], ["--memory-budget", "800KiB"]] {
+    for args in [&["--size", "40x30"][..], &["--size", "1024x1024", "--memory-budget", "800KiB"]] {
         for (threshold, seen) in [("0", true), ("0.5", true), ("1", false)] {
             let threshold = format!("method.threshold={threshold}");
             let method = ["-q", "--method", "soft-express", "--set", &threshold];
-            let planned = assert_planned(&folder, &[&[tori.as_str()], &args[..], &method[..]].concat());
+            let planned = assert_planned(&folder, &[&[tori.as_str()], args, &method[..]].concat());
             assert!(has(&planned, "splats/normalize") && has(&planned, "soft/compose"), "{planned:?}");
             let presorted = ["bin/pick", "bin/place", "soft/express"].iter().filter(|name| has(&planned, name)).count();
             assert_eq!(presorted, if seen { 3 } else { 0 }, "{threshold}: {planned:?}");

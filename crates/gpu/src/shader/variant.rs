@@ -1,6 +1,6 @@
 //! Choice of one of a shader's variants, and lists of all of them.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::{Reflection, check, reflection};
 use crate::{Compiled, Device, Error, Outputs, Pass};
@@ -125,12 +125,20 @@ impl Shader {
     /// Returns the pass in fewer variants: in all of them together, each pair of values that two overrides have in one
     /// variant of a text occurs, and so does each value.
     pub fn in_pairs_of_choices(self) -> Self {
-        let mut rest: Vec<(Variant, HashSet<_>)> = self.variants.into_iter().map(|v| (v.clone(), pairs(&v))).collect();
+        let mut numbers = HashMap::new();
+        let mut number = |pair| {
+            let next = numbers.len();
+            *numbers.entry(pair).or_insert(next)
+        };
+        let mut rest: Vec<(Variant, Vec<usize>)> =
+            self.variants.into_iter().map(|v| (v.clone(), pairs(&v).map(&mut number).collect())).collect();
+        let mut taken = vec![false; numbers.len()];
         let mut variants = Vec::new();
         // The one with the most pairs that no other has yet, until none has any.
         while let Some(at) = (0..rest.len()).max_by_key(|at| rest[*at].1.len()).filter(|at| !rest[*at].1.is_empty()) {
             let (variant, new) = rest.swap_remove(at);
-            rest.iter_mut().for_each(|(_, pairs)| pairs.retain(|pair| !new.contains(pair)));
+            new.into_iter().for_each(|pair| taken[pair] = true);
+            rest.iter_mut().for_each(|(_, pairs)| pairs.retain(|pair| !taken[*pair]));
             variants.push(variant);
         }
         Self { variants, ..self }
@@ -158,12 +166,13 @@ type Pair = Option<[(&'static str, u64); 2]>;
 
 /// Returns the pairs of choices of a variant, each with its text and the overrides that it sets. A choice pairs with
 /// itself as well, and a variant without one has a pair of none.
-fn pairs(variant: &Variant) -> HashSet<(String, Pair)> {
+fn pairs(variant: &Variant) -> impl Iterator<Item = (String, Pair)> {
     let unset = variant.overrides.iter().map(|(name, _)| (*name, 0.0)).collect();
     let text = Variant { overrides: unset, ..variant.clone() }.key();
     let choices: Vec<_> = variant.overrides.iter().map(|(name, value)| (*name, value.to_bits())).collect();
     let of_two = choices.iter().enumerate().flat_map(|(i, a)| choices[i..].iter().map(|b| Some([*a, *b])));
-    of_two.chain([None]).map(|pair| (text.clone(), pair)).collect()
+    let all: Vec<Pair> = of_two.chain([None]).collect();
+    all.into_iter().map(move |pair| (text.clone(), pair))
 }
 
 #[cfg(test)]
