@@ -71,7 +71,7 @@ use own::Own;
 
 /// Returns the engine of a method.
 pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
-    use approximate::{ApproximateEngine, Kind};
+    use approximate::{ApproximateEngine, ApproximateKind};
     use fading::{Fading, FadingEngine};
     use soft::{ExpressEngine, Interior, SpheresEngine};
     let relief = method.relief();
@@ -93,14 +93,14 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
         Method::Stochastic(settings) => Box::new(stochastic::StochasticEngine { settings }),
         Method::Hybrid(Hybrid { discs, k, core_alpha_min, tail, moments }) => {
             let tail = (tail == Tail::Moments).then_some(moments);
-            approximate(discs, Kind::Hybrid { k, core_alpha_min, tail })
+            approximate(discs, ApproximateKind::Hybrid { k, core_alpha_min, tail })
         }
-        Method::Mlab(Mlab { discs, nodes }) => approximate(discs, Kind::Mlab(nodes)),
+        Method::Mlab(Mlab { discs, nodes }) => approximate(discs, ApproximateKind::Mlab(nodes)),
         Method::Moments(settings) => fading(settings.discs, Fading::Moments(settings)),
         Method::Wavelet(Wavelet { discs, rank }) => fading(discs, Fading::Wavelet(rank)),
-        Method::Weighted(discs) => approximate(discs, Kind::Weighted),
-        Method::Average(discs) => approximate(discs, Kind::Average),
-        Method::Unsorted(discs) => approximate(discs, Kind::Unsorted),
+        Method::Weighted(discs) => approximate(discs, ApproximateKind::Weighted),
+        Method::Average(discs) => approximate(discs, ApproximateKind::Average),
+        Method::Unsorted(discs) => approximate(discs, ApproximateKind::Unsorted),
         Method::Hqs(settings) => three_pass(settings, projecting::outlined(settings.shape)),
         Method::Splats(settings) => three_pass(settings, Footprint::Oriented),
         Method::SoftBase(soft) => Box::new(SpheresEngine { soft, interior: Interior::integrated(soft.layout) }),

@@ -1,6 +1,6 @@
 //! The engine of `weighted`, `average`, `unsorted`, `hybrid` and `mlab`.
 
-use super::{Approximations, Kind, least_bytes, pixel_bytes};
+use super::{ApproximateKind, Approximations, least_bytes, pixel_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::Work;
 use crate::methods::tiled::{self, Stage, Whole};
@@ -14,7 +14,7 @@ pub(crate) struct ApproximateEngine {
     /// The discs.
     pub discs: Discs,
     /// The sums.
-    pub kind: Kind,
+    pub kind: ApproximateKind,
 }
 
 impl Stage for ApproximateEngine {
@@ -24,10 +24,10 @@ impl Stage for ApproximateEngine {
 
     fn order(&self) -> Order {
         match self.kind {
-            Kind::Weighted | Kind::Average => Order::Index,
-            Kind::Unsorted => Order::File,
-            Kind::Hybrid { .. } => Order::Depth,
-            Kind::Mlab(_) => Order::Arrival,
+            ApproximateKind::Weighted | ApproximateKind::Average => Order::Index,
+            ApproximateKind::Unsorted => Order::File,
+            ApproximateKind::Hybrid { .. } => Order::Depth,
+            ApproximateKind::Mlab(_) => Order::Arrival,
         }
     }
 
@@ -53,12 +53,12 @@ impl Whole for ApproximateEngine {
 
     fn passes(&self) -> &'static [&'static str] {
         match self.kind {
-            Kind::Weighted => &["weighted/accumulate"],
-            Kind::Average => &["average/accumulate"],
-            Kind::Unsorted => &["unsorted/accumulate"],
-            Kind::Hybrid { tail: None, .. } => &["hybrid/accumulate"],
-            Kind::Hybrid { tail: Some(_), .. } => &["hybrid/accumulate", "hybrid/gather", "hybrid/weigh"],
-            Kind::Mlab(_) => &["mlab/accumulate"],
+            ApproximateKind::Weighted => &["weighted/accumulate"],
+            ApproximateKind::Average => &["average/accumulate"],
+            ApproximateKind::Unsorted => &["unsorted/accumulate"],
+            ApproximateKind::Hybrid { tail: None, .. } => &["hybrid/accumulate"],
+            ApproximateKind::Hybrid { tail: Some(_), .. } => &["hybrid/accumulate", "hybrid/gather", "hybrid/weigh"],
+            ApproximateKind::Mlab(_) => &["mlab/accumulate"],
         }
     }
 

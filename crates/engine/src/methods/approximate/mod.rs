@@ -95,7 +95,7 @@ const LAST_BYTES: u64 = 8;
 
 /// An approximation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum ApproximateKind {
     /// `weighted`
     Weighted,
     /// `average`
@@ -115,7 +115,7 @@ pub enum Kind {
     Mlab(u32),
 }
 
-impl Kind {
+impl ApproximateKind {
     /// Slots of each round of `hybrid` over splats that may cross, the last of which has a tail, and of the only one of
     /// `mlab`. Empty for all else.
     fn rounds(self, footprint: Footprint) -> Vec<u32> {
@@ -155,10 +155,10 @@ fn layer_slots(nodes: u32) -> u32 {
 }
 
 /// Returns the number of device bytes of a pixel that a method always needs.
-pub fn pixel_bytes(kind: Kind) -> u64 {
+pub fn pixel_bytes(kind: ApproximateKind) -> u64 {
     match kind {
-        Kind::Hybrid { tail: Some(moments), .. } => tail::pixel_bytes(moments),
-        Kind::Hybrid { k, tail: None, .. } => round_bytes(&rounds(k)),
+        ApproximateKind::Hybrid { tail: Some(moments), .. } => tail::pixel_bytes(moments),
+        ApproximateKind::Hybrid { k, tail: None, .. } => round_bytes(&rounds(k)),
         _ => 0,
     }
 }
@@ -246,16 +246,16 @@ impl Approximations {
         let push = |walk| SumPush { walk };
         let sum = |run| sum_variant(shape.clone(), run);
         match engine.kind {
-            Kind::Weighted => binned.record_runs(recorder, &Weighted { tiles, sums }, runs, push, sum)?,
-            Kind::Average => binned.record_runs(recorder, &Average { tiles, sums }, runs, push, sum)?,
-            Kind::Unsorted => binned.record_runs(recorder, &Unsorted { tiles, sums }, runs, push, sum)?,
-            Kind::Mlab(nodes) => {
+            ApproximateKind::Weighted => binned.record_runs(recorder, &Weighted { tiles, sums }, runs, push, sum)?,
+            ApproximateKind::Average => binned.record_runs(recorder, &Average { tiles, sums }, runs, push, sum)?,
+            ApproximateKind::Unsorted => binned.record_runs(recorder, &Unsorted { tiles, sums }, runs, push, sum)?,
+            ApproximateKind::Mlab(nodes) => {
                 let count = layer_slots(nodes);
                 let push = |walk| LayerPush { walk, unused: count + 1 - nodes };
                 let layers = |run| layer_variant(shape.clone(), run, count);
                 binned.record_runs(recorder, &Layers { tiles, sums, slots }, runs, push, layers)?;
             }
-            Kind::Hybrid { k, core_alpha_min, tail } => {
+            ApproximateKind::Hybrid { k, core_alpha_min, tail } => {
                 let push = |walk| HybridPush { walk, k, core_alpha_min };
                 match tail {
                     None if rounds.is_empty() => {
@@ -323,10 +323,10 @@ fn layer_variant(shape: Variant, run: OneRun, slots: u32) -> Variant {
 
 /// Returns the number of bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of
 /// splats each pair with a tile, in each round, and the window's pixels.
-pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: u64) -> Option<u64> {
+pub fn least_bytes(name: &str, facts: &Facts, kind: ApproximateKind, tilted: bool, pixels: u64) -> Option<u64> {
     // Index, then splat, depth and color.
     let splat = 4 + 16 + 4 + 16 + if tilted { 16 } else { 0 };
-    if let Kind::Hybrid { tail: Some(moments), .. } = kind
+    if let ApproximateKind::Hybrid { tail: Some(moments), .. } = kind
         && matches!(name, "hybrid/gather" | "hybrid/weigh")
     {
         // A tail is known by moments that one stage leaves and the other reads, with the image in front of it.
@@ -337,7 +337,7 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
         return None;
     }
     let rounds = match kind {
-        Kind::Hybrid { k, .. } if tilted => rounds(k).len() as u64,
+        ApproximateKind::Hybrid { k, .. } if tilted => rounds(k).len() as u64,
         _ => 1,
     };
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
@@ -379,9 +379,12 @@ mod tests {
         assert_eq!(rounds(9), [8, 1]);
         assert_eq!(rounds(24), [8, 8, 8]);
         assert!((1..=MAX_K).all(|k| rounds(k).iter().sum::<u32>() == k));
-        assert_eq!(pixel_bytes(Kind::Hybrid { k: 9, core_alpha_min: 0.0, tail: None }), 8);
-        assert_eq!(pixel_bytes(Kind::Hybrid { k: 8, core_alpha_min: 0.0, tail: None }), 0);
-        assert_eq!(pixel_bytes(Kind::Hybrid { k: 8, core_alpha_min: 0.0, tail: Some(MomentCount::Eight) }), 10 * 8 + 8);
+        assert_eq!(pixel_bytes(ApproximateKind::Hybrid { k: 9, core_alpha_min: 0.0, tail: None }), 8);
+        assert_eq!(pixel_bytes(ApproximateKind::Hybrid { k: 8, core_alpha_min: 0.0, tail: None }), 0);
+        assert_eq!(
+            pixel_bytes(ApproximateKind::Hybrid { k: 8, core_alpha_min: 0.0, tail: Some(MomentCount::Eight) }),
+            10 * 8 + 8
+        );
         assert_eq!((run_bytes(&[]), run_bytes(&[8, 1])), (64, 64 + 16 + 8 * 32));
     }
 
@@ -389,18 +392,18 @@ mod tests {
     fn every_number_of_layers_has_its_slots() {
         assert_eq!([1, 2, 3, 4, 5, 8, 9, 16].map(layer_slots), [1, 1, 3, 3, 7, 7, 15, 15]);
         assert!((1..=MAX_NODES).all(|nodes| layer_slots(nodes) + 1 >= nodes));
-        assert_eq!(pixel_bytes(Kind::Mlab(16)), 0);
+        assert_eq!(pixel_bytes(ApproximateKind::Mlab(16)), 0);
     }
 
     #[test]
     fn least_bytes_by_hand() {
         let facts = Facts { tile_entries: 20, ..Facts::default() };
         let of = |kind, tilted| least_bytes("hybrid/accumulate", &facts, kind, tilted, 100);
-        assert_eq!(of(Kind::Average, false), Some(20 * 40 + 2000));
-        let hybrid = Kind::Hybrid { k: 9, core_alpha_min: 0.0, tail: None };
+        assert_eq!(of(ApproximateKind::Average, false), Some(20 * 40 + 2000));
+        let hybrid = ApproximateKind::Hybrid { k: 9, core_alpha_min: 0.0, tail: None };
         assert_eq!(of(hybrid, false), Some(20 * 40 + 2000));
         assert_eq!(of(hybrid, true), Some(2 * (20 * 56 + 2000)));
-        let by_moments = Kind::Hybrid { k: 9, core_alpha_min: 0.0, tail: Some(MomentCount::Four) };
+        let by_moments = ApproximateKind::Hybrid { k: 9, core_alpha_min: 0.0, tail: Some(MomentCount::Four) };
         assert_eq!(of(by_moments, false), Some(20 * 40 + 2000));
         let stage = |name| least_bytes(name, &facts, by_moments, true, 100);
         // 6 pairs of floats, and the last rank.

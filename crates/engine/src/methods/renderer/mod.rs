@@ -53,7 +53,7 @@ pub struct Renderer {
     /// Counts of earlier frames of one kind.
     foresight: Foresight,
     /// The kind of those frames.
-    kind: Option<Kind>,
+    kind: Option<FrameKind>,
     /// Duration of the submissions of the last frame.
     submitted: Duration,
     /// An image that was given back.
@@ -322,7 +322,7 @@ impl Renderer {
 
     /// Returns `true` if a frame can learn its counts from earlier ones of its kind.
     fn learns(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
-        let kind = Kind { method: frame.method, size: frame.size, region: self.region, points: cloud.total() };
+        let kind = FrameKind { method: frame.method, size: frame.size, region: self.region, points: cloud.total() };
         if self.kind != Some(kind) {
             timeline.foresight.forget();
             self.kind = Some(kind);
@@ -368,7 +368,7 @@ struct Begun {
 
 /// Frames that predict each other's counts: counts of a kind are mostly of much the same size.
 #[derive(Clone, Copy, PartialEq)]
-struct Kind {
+struct FrameKind {
     method: Method,
     size: [u32; 2],
     region: Option<Window>,

@@ -3,7 +3,7 @@
 //! A window is drawn in two parts: solid points into a layer, as `splats` draws them, and soft points before it.
 
 use super::express::{self, COUNT_BYTES, SoftDiscs};
-use super::{Interior, Kind, SoftModel, Spheres, explain, pixel_bytes, record_compose};
+use super::{Interior, SoftModel, SphereKind, Spheres, explain, pixel_bytes, record_compose};
 use crate::gpu::Device;
 use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes};
 use crate::methods::bytes::PassRuns;
@@ -35,7 +35,7 @@ pub(crate) struct ExpressEngine {
 }
 
 impl SpheresEngine {
-    fn projecting(&self, frame: &Frame, cloud: &DeviceCloud, kind: Kind) -> Projecting {
+    fn projecting(&self, frame: &Frame, cloud: &DeviceCloud, kind: SphereKind) -> Projecting {
         Projecting { relative_depth: true, ..projecting(frame, cloud, &self.soft, kind.footprint()) }
     }
 
@@ -53,7 +53,7 @@ impl SpheresEngine {
         let model = SoftModel::new(&frame.method, &self.soft, parts.median_radius * frame.factors.radius);
         let max_radius = cloud.max_radius() * frame.factors.radius;
         let exact = model.is_stiff(interior, max_radius);
-        let kind = Kind { interior, exact, modulated: self.soft.modulation.is_some() };
+        let kind = SphereKind { interior, exact, modulated: self.soft.modulation.is_some() };
         let how = self.projecting(frame, cloud, kind);
         let stats = work.project(cloud, &how)?;
         let Some(mut budget) = work.reserve_tiles(tiles, &stats, true)? else { return Ok(None) };

@@ -98,7 +98,7 @@ impl Choices for Interior {
 
 /// The kind of spheres that a kernel is made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Kind {
+pub struct SphereKind {
     /// The inside of a sphere.
     pub interior: Interior,
     /// `true` if it is so dense that float32 would show (`SoftModel::is_stiff`).
@@ -107,11 +107,11 @@ pub struct Kind {
     pub modulated: bool,
 }
 
-impl Kind {
+impl SphereKind {
     /// Returns the footprint of spheres.
     pub fn footprint(self) -> Footprint {
         if self.exact { Footprint::ExactSphere } else { Footprint::Sphere }
     }
 }
 
-choices!(struct Kind { interior, exact, modulated });
+choices!(struct SphereKind { interior, exact, modulated });

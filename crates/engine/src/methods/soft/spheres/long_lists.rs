@@ -1,7 +1,7 @@
 //! Long lists of events: each run is composed by itself.
 
 use super::Spheres;
-use super::interior::Kind;
+use super::interior::SphereKind;
 use super::passes::{BlendRuns, Carry, Samples, Segments, SoftPush, SumRuns};
 use crate::gpu::{Recorder, Slice, Variant};
 use crate::methods::Error;
@@ -74,11 +74,11 @@ pub(in crate::methods) fn record_carry<'a>(
 }
 
 /// Returns the variant of the passes over runs of long lists.
-pub(super) fn run_variant(kind: Kind, cut: Cut) -> Variant {
+pub(super) fn run_variant(kind: SphereKind, cut: Cut) -> Variant {
     kind.interior.terms(compose::variant(cut, kind.footprint(), Falloff::Flat), kind.modulated)
 }
 
 /// Returns the variant of `soft/segments`.
-pub(super) fn segments_variant(kind: Kind, cut: Cut) -> Variant {
+pub(super) fn segments_variant(kind: SphereKind, cut: Cut) -> Variant {
     run_variant(kind, cut).with("TAKEN", SEGMENTS_TAKEN)
 }

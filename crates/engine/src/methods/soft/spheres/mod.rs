@@ -15,7 +15,7 @@ mod interior;
 mod long_lists;
 mod passes;
 
-pub use interior::{Interior, Kind};
+pub use interior::{Interior, SphereKind};
 pub(in crate::methods) use long_lists::record_carry;
 pub use passes::*;
 
@@ -62,7 +62,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MO
 #[derive(Clone, Copy)]
 pub struct Spheres<'a> {
     /// The kind of spheres.
-    pub kind: Kind,
+    pub kind: SphereKind,
     /// Model of the density of spheres.
     pub model: SoftModel,
     /// Largest world radius.
@@ -216,7 +216,7 @@ fn store_variant(walker: Variant, interior: Interior, cut: bool) -> Variant {
 }
 
 /// The variant of the kernel for lists of up to `capacity` events, which are sorted as told.
-fn resolve_variant(kind: Kind, cut: Cut, stop: u32, sorting: Sorting, capacity: u32) -> Variant {
+fn resolve_variant(kind: SphereKind, cut: Cut, stop: u32, sorting: Sorting, capacity: u32) -> Variant {
     let integrated = kind.interior.is_integrated();
     let piece = if integrated { "blend_spheres" } else { "blend_shells" };
     let variant = run_variant(kind, cut).with("STOP", stop).walker(piece);
@@ -234,8 +234,8 @@ pub(super) fn shaders() -> Vec<Shader> {
         let of = |(interior, cut)| spheres(interior).into_iter().map(move |walker| of(walker, interior, cut));
         <(Interior, bool)>::all().into_iter().flat_map(of).collect::<Vec<_>>()
     };
-    let blended = |of: &dyn Fn(Kind, Cut) -> Vec<Variant>| {
-        <(Kind, Cut)>::all().into_iter().flat_map(|(kind, cut)| of(kind, cut)).collect::<Vec<_>>()
+    let blended = |of: &dyn Fn(SphereKind, Cut) -> Vec<Variant>| {
+        <(SphereKind, Cut)>::all().into_iter().flat_map(|(kind, cut)| of(kind, cut)).collect::<Vec<_>>()
     };
     let kernels = |sorting, capacity| {
         blended(&|kind, cut| STOPS.map(|stop| resolve_variant(kind, cut, stop, sorting, capacity)).to_vec())
@@ -297,7 +297,7 @@ mod tests {
         let method = Method::SoftConcentric(Soft::default());
         for (interior, limit) in limits {
             let model = SoftModel { lambda: 1.0, peak: 0.5 };
-            let kind = Kind { interior, exact: false, modulated: false };
+            let kind = SphereKind { interior, exact: false, modulated: false };
             let spheres = Spheres { kind, model, max_radius: 1.0, origin: 0.0, layer: None };
             assert!(spheres.check(&method, limit).is_ok());
             let refused = spheres.check(&method, limit + 1);
