@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::rounds::{Epochs, epoch_bits};
 use super::share::Share;
-use super::variants::{Form, Kind};
+use super::variants::{Form, SpbrKind};
 use super::{is_listed, largest};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::project::{DeviceCloud, Projecting};
@@ -63,10 +63,10 @@ impl WindowJob<'_> {
         self.method.ensembles().unwrap_or(1)
     }
 
-    pub(super) fn kind(&self) -> Kind {
+    pub(super) fn kind(&self) -> SpbrKind {
         let weighted = matches!(self.method, Method::Spbr(_)) && self.shares.iter().any(|s| !s.uniform);
         let slanted = matches!(self.method, Method::Spbr(Spbr { cos_theta: false, .. })) && self.cloud.has_normals();
-        Kind {
+        SpbrKind {
             weighted,
             slanted,
             thinned: weighted || slanted || self.perspective,

@@ -23,7 +23,7 @@ pub(crate) use engine::{EnsembleEngine, pass_group};
 pub use ensembles::{Drawn, Ensembles};
 pub use job::{Scale, WindowJob};
 pub use passes::*;
-pub use variants::{Form, Kind, Stage, shaders};
+pub use variants::{Form, SpbrKind, Stage, shaders};
 
 use self::share::{Share, Wanted};
 use super::{Error, Facts, Frame, ThinCloud};

@@ -71,7 +71,7 @@ impl Stage {
 
 /// Properties of frame and cloud on which the passes over slots depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Kind {
+pub struct SpbrKind {
     /// `true` if opacities differ from point to point.
     pub weighted: bool,
     /// `true` if points may ask for less than a pixel.
@@ -86,7 +86,7 @@ pub struct Kind {
     pub spread: bool,
 }
 
-choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
+choices!(struct SpbrKind { weighted, thinned, slanted, squares, planes, spread });
 
 /// Way in which a pass goes through slots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,7 +109,7 @@ impl Choices for Through {
     }
 }
 
-impl Kind {
+impl SpbrKind {
     /// Returns `true` if there are such clouds and frames: points that ask for less in different ways may ask for less
     /// than a pixel.
     fn is_possible(self) -> bool {
@@ -160,7 +160,7 @@ pub(super) fn resolve_variant(spread: bool) -> Variant {
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let stages = Kind::variants;
+    let stages = SpbrKind::variants;
     let colored = |draw: Variant| {
         <(Cut, ColorSpace)>::all().into_iter().map(move |(cut, color)| draw_variant(draw.clone(), cut, color))
     };
