@@ -51,7 +51,7 @@ pub use frame::{Factors, Frame};
 pub use frame_profile::{FrameProfile, PassProfile};
 pub use parts::{DrawnPart, PartError, SamplePart, SampleSteps};
 pub use reach::{need_subgroups, without_subgroups};
-pub use renderer::{Rendered, Renderer, Source, Upload};
+pub use renderer::{PointSource, Rendered, Renderer, Upload};
 pub use target::{Layer, Pixels, PixelsGroup, Target};
 
 pub use crate::passes::compose::Stop;

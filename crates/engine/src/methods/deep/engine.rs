@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 
 use super::lists::{self, Wanted};
-use super::{Sink, Source};
+use super::{DeepSource, Sink};
 use crate::methods::abuffer::{self, Sampling, Shown, Slots, StoreFragments, Taken, WindowJob};
 use crate::methods::ellipsoids::Ellipsoids;
 use crate::methods::engine::{Engine, Work, windows_of};
@@ -21,7 +21,7 @@ use crate::scene::{Discs, Kernel};
 /// Hands on the samples of each window.
 pub(crate) struct DeepEngine<'a> {
     /// Source of the samples.
-    pub source: Source,
+    pub source: DeepSource,
     /// Order that the samples need.
     pub state: State,
     /// Sink that takes the samples; nobody asks for them if a frame is only surveyed.
@@ -74,12 +74,12 @@ impl DeepEngine<'_> {
 impl Engine for DeepEngine<'_> {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         match &self.source {
-            Source::Discs(..) => {
+            DeepSource::Discs(..) => {
                 // Each pixel has a run, whose sums take three times as much of a binding as a pixel's color.
                 let budget = Budget { binding: budget.binding / 4, ..budget };
                 Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES + abuffer::RUN_PIXEL_BYTES))
             }
-            Source::Shells(spheres) => {
+            DeepSource::Shells(spheres) => {
                 let budget = Budget { binding: budget.binding / 4, bytes: budget.bytes / 2, ..budget };
                 spheres.windows(frame, budget)
             }
@@ -88,8 +88,8 @@ impl Engine for DeepEngine<'_> {
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let most = match &self.source {
-            Source::Discs(discs, layers) => self.discs(cloud, buffers, work, (*discs, *layers))?,
-            Source::Shells(spheres) => {
+            DeepSource::Discs(discs, layers) => self.discs(cloud, buffers, work, (*discs, *layers))?,
+            DeepSource::Shells(spheres) => {
                 let wanted = Wanted { state: self.state, layers: 0, stop: 0.0 };
                 spheres.samples(cloud, buffers, work, &mut |taken, solids| self.take(taken, solids, wanted))?
             }

@@ -31,14 +31,14 @@ pub(crate) fn pass_group() -> PassGroup {
 pub type Sink<'a> = dyn FnMut(&[u32], &[Sample]) -> io::Result<()> + 'a;
 
 /// Source of a deep image.
-pub(crate) enum Source {
+pub(crate) enum DeepSource {
     /// Discs and Gaussians, of each pixel at most so many; all of them with 0.
     Discs(Discs, u32),
     /// Spheres with shells of constant density.
     Shells(SpheresEngine),
 }
 
-impl Source {
+impl DeepSource {
     /// Returns the source of a method; `None` if it has no lists of fragments, or none that are of constant density.
     pub fn of(method: &Method) -> Option<Self> {
         let merged = |discs| Discs { long_lists: LongLists::Merge, ..discs };
@@ -63,7 +63,7 @@ impl Source {
 pub fn check(frame: &Frame, gaussians: bool, state: State) -> Result<(), Error> {
     let name = frame.method.name();
     let refused = |problem: String| Err(Error::Usage(problem));
-    if Source::of(&frame.method).is_none() {
+    if DeepSource::of(&frame.method).is_none() {
         return refused(format!(
             "--deep: method.name = {name:?} has no samples per pixel; use abuffer, linked-list, sorted, peel or \
              soft-concentric"
@@ -97,9 +97,9 @@ pub fn check(frame: &Frame, gaussians: bool, state: State) -> Result<(), Error> 
 
 /// Returns `true` if the samples of a frame have a length; `gaussians`: the scene has some.
 pub fn has_volumes(method: &Method, gaussians: bool) -> bool {
-    match Source::of(method) {
-        Some(Source::Discs(discs, _)) => gaussians && discs.gaussians.kernel == Kernel::Ellipsoid,
-        Some(Source::Shells(_)) => true,
+    match DeepSource::of(method) {
+        Some(DeepSource::Discs(discs, _)) => gaussians && discs.gaussians.kernel == Kernel::Ellipsoid,
+        Some(DeepSource::Shells(_)) => true,
         None => false,
     }
 }

@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 
 use super::Renderer;
 use super::walk::Job;
-use crate::methods::deep::{DeepEngine, Sink, Source};
+use crate::methods::deep::{DeepEngine, DeepSource, Sink};
 use crate::methods::engine::Engine;
 use crate::methods::{Error, Facts, Frame, Timeline};
 use crate::output::deep::State;
@@ -44,7 +44,7 @@ impl Renderer {
         (survey, sink): (bool, &mut Sink<'_>),
     ) -> Result<(Facts, u64), Error> {
         frame.check()?;
-        let source = Source::of(&frame.method).ok_or(Error::NoSamples { method: frame.method.name() })?;
+        let source = DeepSource::of(&frame.method).ok_or(Error::NoSamples { method: frame.method.name() })?;
         let frame = &Frame { fragments: false, ..*frame };
         // A sink's own borrows need not live longer than the engine.
         let mut forward = |lengths: &[u32], samples: &[_]| sink(lengths, samples);

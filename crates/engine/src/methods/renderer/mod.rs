@@ -8,7 +8,7 @@ mod survey;
 mod upload;
 mod walk;
 
-pub use self::upload::{Source, Upload};
+pub use self::upload::{PointSource, Upload};
 
 use std::time::{Duration, Instant};
 

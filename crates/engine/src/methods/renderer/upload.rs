@@ -15,7 +15,7 @@ use crate::supply::Held;
 #[derive(Clone, Copy)]
 pub struct Upload<'a> {
     /// The points.
-    pub points: Source<'a>,
+    pub points: PointSource<'a>,
     /// Shadows that were stored with the points, in the order of their files. Only points that come to the device all
     /// at once take them.
     pub shadows: Option<&'a ShadowTexture>,
@@ -26,7 +26,7 @@ pub struct Upload<'a> {
 
 /// Source of points.
 #[derive(Clone, Copy)]
-pub enum Source<'a> {
+pub enum PointSource<'a> {
     /// Points that the device holds all at once, whatever their order.
     Whole(&'a Points),
     /// Arranged points. Those in canonical order come window by window if they are more than the device can address.
@@ -38,13 +38,13 @@ pub enum Source<'a> {
 
 impl<'a> From<&'a Points> for Upload<'a> {
     fn from(points: &'a Points) -> Self {
-        Self { points: Source::Whole(points), shadows: None, by_windows: false }
+        Self { points: PointSource::Whole(points), shadows: None, by_windows: false }
     }
 }
 
 impl<'a> From<&'a Arranged> for Upload<'a> {
     fn from(arranged: &'a Arranged) -> Self {
-        Self { points: Source::Arranged(arranged), shadows: None, by_windows: false }
+        Self { points: PointSource::Arranged(arranged), shadows: None, by_windows: false }
     }
 }
 
@@ -64,11 +64,11 @@ impl Renderer {
         let Upload { points, shadows, by_windows } = points.into();
         let device = &self.device;
         Ok(match points {
-            Source::Whole(points) => {
+            PointSource::Whole(points) => {
                 Cut::new(device, points.len() as u64)?;
                 DeviceCloud::new(device, points)?
             }
-            Source::Arranged(arranged) => match arranged {
+            PointSource::Arranged(arranged) => match arranged {
                 Arranged::Canonical(points) if by_windows || points.len() as u64 > Cut::most(device) => {
                     DeviceCloud::of_supply(device, points, Arc::new(Held::new(points.clone())))?
                 }
