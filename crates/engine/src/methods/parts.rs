@@ -63,7 +63,7 @@ impl Frame {
     /// methods that draw no random ones, and of frames with [`Frame::max_error`], whose number of samples follows from
     /// the image.
     pub fn sample_steps(&self) -> Option<SampleSteps> {
-        Layout::of(self).map(|layout| layout.steps)
+        PartLayout::of(self).map(|layout| layout.steps)
     }
 }
 
@@ -172,7 +172,7 @@ impl Plane {
 
 /// Contents of the parts of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Layout {
+pub(crate) struct PartLayout {
     size: [u32; 2],
     steps: SampleSteps,
     sums: Sums,
@@ -182,7 +182,7 @@ pub(crate) struct Layout {
     lengths: bool,
 }
 
-impl Layout {
+impl PartLayout {
     /// Returns the layout of the parts of a frame; `None` if its samples can't be drawn in parts.
     pub fn of(frame: &Frame) -> Option<Self> {
         let engine = engine_of(&frame.method);
@@ -242,7 +242,7 @@ impl Layout {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "Sent")]
 pub struct SamplePart {
-    layout: Layout,
+    layout: PartLayout,
     /// Ranges of samples, in ascending order; they neither touch nor are empty.
     samples: Vec<Range<u32>>,
     planes: BTreeMap<Plane, Vec<u32>>,
@@ -251,7 +251,7 @@ pub struct SamplePart {
 /// A part on its way: which planes it has follows from its samples. `B` is the bytes of a plane.
 #[derive(Serialize, Deserialize)]
 struct Sent<B = ByteBuf> {
-    layout: Layout,
+    layout: PartLayout,
     samples: Vec<Range<u32>>,
     planes: Vec<B>,
 }
@@ -300,7 +300,7 @@ impl TryFrom<Sent> for SamplePart {
 
 impl SamplePart {
     /// Returns a part in which each pixel has samples that show nothing.
-    pub(crate) fn new(layout: Layout, samples: Range<u32>) -> Self {
+    pub(crate) fn new(layout: PartLayout, samples: Range<u32>) -> Self {
         let filled = |plane: Plane| (plane, vec![plane.nothing(); layout.pixels() * plane.words()]);
         let planes = layout.planes(samples.clone()).map(filled).collect();
         let samples = if samples.is_empty() { Vec::new() } else { vec![samples] };
@@ -343,7 +343,7 @@ impl SamplePart {
 
     /// The samples are those of a whole frame.
     pub(crate) fn check(&self, frame: &Frame) -> Result<(), PartError> {
-        if Layout::of(frame) != Some(self.layout) {
+        if PartLayout::of(frame) != Some(self.layout) {
             return Err(PartError::Different);
         }
         let total = self.layout.steps.total;
@@ -404,9 +404,9 @@ mod tests {
 
     const SIZE: [u32; 2] = [3, 2];
 
-    fn layout(sums: Sums, total: u32) -> Layout {
+    fn layout(sums: Sums, total: u32) -> PartLayout {
         let steps = SampleSteps { total, step: sums.step() };
-        Layout { size: SIZE, steps, sums, spread: true, lengths: sums != Sums::Ensembles }
+        PartLayout { size: SIZE, steps, sums, spread: true, lengths: sums != Sums::Ensembles }
     }
 
     /// A part whose words follow from where they are.

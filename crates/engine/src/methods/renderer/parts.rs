@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::walk::{Job, is_whole, largest};
 use super::{Begun, Rendered, Renderer, edl};
 use crate::image::Image;
-use crate::methods::parts::{Layout, Plane};
+use crate::methods::parts::{PartLayout, Plane};
 use crate::methods::{DrawnPart, Error, Frame, SamplePart, Timeline, engine_of};
 use crate::passes::project::DeviceCloud;
 
@@ -38,7 +38,7 @@ impl Renderer {
     fn part_by(
         &mut self,
         cloud: &mut DeviceCloud,
-        (frame, layout): (&Frame, Layout),
+        (frame, layout): (&Frame, PartLayout),
         samples: Range<u32>,
         timeline: &mut Timeline,
     ) -> Result<DrawnPart, Error> {
@@ -74,7 +74,7 @@ impl Renderer {
     fn resolve_by(
         &mut self,
         cloud: &DeviceCloud,
-        (frame, layout): (&Frame, Layout),
+        (frame, layout): (&Frame, PartLayout),
         parts: &SamplePart,
         timeline: &mut Timeline,
     ) -> Result<Rendered, Error> {
@@ -109,8 +109,8 @@ impl Renderer {
 }
 
 /// Returns what the parts of a frame hold.
-fn layout(frame: &Frame) -> Result<Layout, Error> {
-    Layout::of(frame).ok_or(Error::NoParts { method: frame.method.name() })
+fn layout(frame: &Frame) -> Result<PartLayout, Error> {
+    PartLayout::of(frame).ok_or(Error::NoParts { method: frame.method.name() })
 }
 
 /// A frame with the standard errors that another one wants for whatever reason.
