@@ -5,7 +5,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::Applied;
-use pellucid_engine::methods::see_through::{self, Found};
+use pellucid_engine::methods::see_through::{self, OpacityFactor};
 use pellucid_engine::methods::{Frame, Renderer, spbr};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_scene::prepare::Arranged;
@@ -65,7 +65,7 @@ pub fn decisions(
     cloud: &DeviceCloud,
     clouds: &[CloudSettings],
     applied: Option<&Applied>,
-    found: Option<&Found>,
+    found: Option<&OpacityFactor>,
 ) -> Vec<(String, String)> {
     let all = [
         ("pellucid:brightness", applied.map(Applied::json)),
@@ -100,14 +100,14 @@ fn listed(opacities: &[f32]) -> String {
 }
 
 /// Says which opacity was found for a share of light.
-pub fn describe_opacity(share: f64, found: Option<Found>, prepared: &Prepared, messages: &dyn Messages) {
+pub fn describe_opacity(share: f64, found: Option<OpacityFactor>, prepared: &Prepared, messages: &dyn Messages) {
     let option = messages.option("see-through", &share);
     let Some(found) = found else {
         messages.warn(&format_args!("{option}: no opacity can be found, because no pixel is covered"));
         return;
     };
     let opacities = said(found.factor, prepared, |opacity| opacity);
-    let Found { transmittance, trials, .. } = found;
+    let OpacityFactor { transmittance, trials, .. } = found;
     if found.meets(share) {
         messages.note(&format_args!(
             "see-through {share}: {opacities} (the median covered pixel lets {transmittance:.3} of the light through; {trials} \

@@ -9,7 +9,7 @@ use pellucid_core::points::{Changes, Points};
 use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::{self, Applied};
-use pellucid_engine::methods::see_through::{self, Found};
+use pellucid_engine::methods::see_through::{self, OpacityFactor};
 use pellucid_engine::methods::{DrawnPart, Frame, PassProfile, Rendered, Renderer, SamplePart};
 use pellucid_engine::plan;
 use pellucid_engine::profile::Profile;
@@ -41,9 +41,9 @@ pub struct Session {
     /// Reason for the method.
     pub why: String,
     /// Opacity that a share of light was requested for.
-    pub found: Option<Found>,
+    pub found: Option<OpacityFactor>,
     /// Opacity found for a larger scene that this one is a part of; then none is looked for.
-    pub opacity_of_whole: Option<Found>,
+    pub opacity_of_whole: Option<OpacityFactor>,
     /// Method chosen by error or time.
     pub choice: Option<Choice>,
     /// The points on the device.

@@ -297,14 +297,14 @@ impl Work<'_> {
 pub(crate) struct Projected {
     stats: Vec<Stats>,
     /// The results themselves.
-    pub found: Found,
+    pub found: PendingStats,
 }
 
 /// The results of a projection, once it was submitted.
 #[derive(Clone, Copy)]
-pub(crate) struct Found(Place);
+pub(crate) struct PendingStats(Place);
 
-impl Found {
+impl PendingStats {
     /// Returns the results by chunk.
     pub fn stats(self, timeline: &Timeline) -> Vec<Stats> {
         stats_of(timeline.found(self.0))
@@ -341,7 +341,7 @@ pub(crate) fn project(
     let [width, height] = [window[2] - window[0], window[3] - window[1]];
     let most = |((_, count), s): ((u64, u64), Stats)| s.at_most(count, [width, height]);
     let stats = cloud.chunks().zip(stats_of(&answer.words)).map(most).collect();
-    Ok(Projected { stats, found: Found(answer.place) })
+    Ok(Projected { stats, found: PendingStats(answer.place) })
 }
 
 /// Returns windows for a method that needs `pixel_bytes` per pixel.

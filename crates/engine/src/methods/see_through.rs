@@ -26,7 +26,7 @@ const SMALLEST: f64 = 1e-8;
 
 /// A factor that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
+pub struct OpacityFactor {
     /// The factor on all opacities.
     pub factor: f32,
     /// The median T of the covered pixels with it.
@@ -35,7 +35,7 @@ pub struct Found {
     pub trials: u32,
 }
 
-impl Found {
+impl OpacityFactor {
     /// Returns `true` if the median is within [`TOLERANCE`] of the share that was asked for.
     pub fn meets(&self, share: f64) -> bool {
         (self.transmittance - share).abs() <= TOLERANCE
@@ -81,7 +81,7 @@ pub fn find(
     frame: &Frame,
     share: f64,
     max_factor: f32,
-) -> Result<Option<Found>, Error> {
+) -> Result<Option<OpacityFactor>, Error> {
     let mut search = Search::new(share, f64::from(max_factor));
     let small = small(frame.size);
     let sizes = if small == frame.size { vec![small] } else { vec![small, frame.size] };
@@ -103,7 +103,7 @@ pub fn estimate(
     frame: &Frame,
     share: f64,
     max_factor: f32,
-) -> Result<Option<Found>, Error> {
+) -> Result<Option<OpacityFactor>, Error> {
     let mut search = Search::new(share, f64::from(max_factor));
     look(renderer, cloud, &Frame { size: small(frame.size), ..*frame }, &mut search)
 }
@@ -114,8 +114,8 @@ fn look(
     cloud: &mut DeviceCloud,
     frame: &Frame,
     search: &mut Search,
-) -> Result<Option<Found>, Error> {
-    let mut best: Option<Found> = None;
+) -> Result<Option<OpacityFactor>, Error> {
+    let mut best: Option<OpacityFactor> = None;
     for _ in 0..MAX_TRIALS {
         let Some(factor) = search.next() else { break };
         let mut trial = Frame { fragments: false, spread: false, max_error: None, ..*frame };
@@ -128,14 +128,14 @@ fn look(
         let median = median_transmittance(&image.rgba);
         search.tell(factor, median.unwrap_or(1.0));
         let Some(transmittance) = median else { continue };
-        let found = Found { factor: factor as f32, transmittance, trials: search.trials };
-        let off = |found: &Found| (found.transmittance - search.share).abs();
+        let found = OpacityFactor { factor: factor as f32, transmittance, trials: search.trials };
+        let off = |found: &OpacityFactor| (found.transmittance - search.share).abs();
         best = best.filter(|best| off(best) <= off(&found)).or(Some(found));
         if found.meets(search.share) {
             break;
         }
     }
-    Ok(best.map(|best| Found { trials: search.trials, ..best }))
+    Ok(best.map(|best| OpacityFactor { trials: search.trials, ..best }))
 }
 
 /// Width and height of at most [`SMALL_SIDE`], in about the same ratio.
