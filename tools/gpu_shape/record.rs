@@ -5,7 +5,7 @@ use pellucid_engine::methods::{Frame, FrameProfile, Renderer};
 use pellucid_engine::{NUMBERS, key_without_numbers, plan};
 use pellucid_gpu as gpu;
 use pellucid_gpu::shader::Shader;
-use pellucid_gpu::{Blend, Device, DeviceOptions, Format, Made, Outputs, Preferences, Variant};
+use pellucid_gpu::{Blend, Device, DeviceOptions, Format, Outputs, PipelineSource, Preferences, Variant};
 use pellucid_lab::check::{self, Lack, Subject};
 use pellucid_scene::{self as scene, Method, Overrides, Scene, procedural};
 use rayon::prelude::*;
@@ -122,7 +122,7 @@ fn of_device(device: &Device) -> Result<Vec<Recorded>, String> {
     device.made().iter().map(|made| recorded(&shaders, made)).collect()
 }
 
-fn recorded(shaders: &[Shader], made: &Made) -> Result<Recorded, String> {
+fn recorded(shaders: &[Shader], made: &PipelineSource) -> Result<Recorded, String> {
     let unlisted = || format!("{}: no pass lists this variant: {}", made.label, made.variant.key());
     let wanted = key_without_numbers(&made.variant);
     // Passes of several methods may share a name, or a file.
@@ -209,7 +209,7 @@ mod tests {
     fn a_pipeline_is_rebuilt_for_other_lanes() {
         let shaders = shaders();
         let place = shaders.iter().position(|shader| shader.name == "radix/scatter").expect("it sorts");
-        let made = Made {
+        let made = PipelineSource {
             label: "radix/scatter",
             pass: "radix/scatter",
             stem: "radix/scatter",
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!((shader.name, variant.subgroup, outputs), ("radix/scatter", Some(32), None));
         let (_, same, _) = found.rebuilt(&shaders, 8);
         assert_eq!(same, made.variant);
-        let made_up = Made { variant: made.variant.clone().with("NOWHERE", 1), ..made };
+        let made_up = PipelineSource { variant: made.variant.clone().with("NOWHERE", 1), ..made };
         assert!(recorded(&shaders, &made_up).is_err());
     }
 }

@@ -11,7 +11,7 @@ use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, queue_family};
 use super::surface::Surface;
-use super::{Buffer, Compilation, Error, GpuType, Made, Memory, Preferences, Recorder};
+use super::{Buffer, Compilation, Error, GpuType, Memory, PipelineSource, Preferences, Recorder};
 
 /// Returns the Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would
 /// take, if it can be.
@@ -291,7 +291,7 @@ impl Device {
     }
 
     /// Returns what every pipeline so far was made from; in no order.
-    pub fn made(&self) -> Vec<Made> {
+    pub fn made(&self) -> Vec<PipelineSource> {
         lock(&self.0.pipelines).values().map(|pipeline| pipeline.made.clone()).collect()
     }
 

@@ -43,7 +43,7 @@ pub use layout::{GpuType, Member, Shape};
 pub use limits::{DeviceInfo, DeviceOptions, Limits};
 pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
 pub use paused::Paused;
-pub use pipeline::{Blend, Compilation, Made, Outputs};
+pub use pipeline::{Blend, Compilation, Outputs, PipelineSource};
 pub use preferences::Preferences;
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
 pub use scratch::Scratch;

@@ -48,7 +48,7 @@ pub struct Compilation {
 
 /// Source of a pipeline.
 #[derive(Debug, Clone)]
-pub struct Made {
+pub struct PipelineSource {
     /// The label under which it ran first, as in `abuffer/resolve-8`.
     pub label: &'static str,
     /// The pass.
@@ -66,7 +66,7 @@ const PUSH_BYTES: usize = 128;
 
 pub struct Pipeline {
     /// Source that it was made from.
-    pub made: Made,
+    pub made: PipelineSource,
     pub raw: vk::Pipeline,
     pub layout: vk::PipelineLayout,
     pub set_layout: vk::DescriptorSetLayout,
@@ -154,7 +154,7 @@ impl Pipeline {
 
     fn build<P: Pass>(
         context: &Context,
-        made: Made,
+        made: PipelineSource,
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
@@ -221,8 +221,8 @@ impl Pipeline {
     }
 }
 
-fn made<P: Pass>(label: &'static str, variant: &Variant, outputs: Option<Outputs>) -> Made {
-    Made { label, pass: P::NAME, stem: P::SHADER, variant: variant.clone(), outputs }
+fn made<P: Pass>(label: &'static str, variant: &Variant, outputs: Option<Outputs>) -> PipelineSource {
+    PipelineSource { label, pass: P::NAME, stem: P::SHADER, variant: variant.clone(), outputs }
 }
 
 fn flags(context: &Context) -> vk::PipelineCreateFlags {

@@ -7,7 +7,7 @@ use super::Error;
 use crate::gpu::Device;
 
 /// Buffers of a family, kept from frame to frame.
-pub(crate) trait Made: Any + Send + Sync + Sized {
+pub(crate) trait FamilyBuffers: Any + Send + Sync + Sized {
     /// Allocates only the small buffers.
     ///
     /// # Errors
@@ -15,7 +15,7 @@ pub(crate) trait Made: Any + Send + Sync + Sized {
     fn made(device: &Device) -> Result<Self, Error>;
 }
 
-impl<T: Default + Any + Send + Sync> Made for T {
+impl<T: Default + Any + Send + Sync> FamilyBuffers for T {
     fn made(_device: &Device) -> Result<Self, Error> {
         Ok(Self::default())
     }
@@ -30,7 +30,7 @@ impl Own {
     ///
     /// # Errors
     /// Out of memory.
-    pub fn of<T: Made>(&mut self, device: &Device) -> Result<&mut T, Error> {
+    pub fn of<T: FamilyBuffers>(&mut self, device: &Device) -> Result<&mut T, Error> {
         if self.there::<T>().is_none() {
             self.0.insert(TypeId::of::<T>(), Box::new(T::made(device)?));
         }
@@ -39,7 +39,7 @@ impl Own {
     }
 
     /// Returns buffers, if a frame asked for them before.
-    pub fn there<T: Made>(&self) -> Option<&T> {
+    pub fn there<T: FamilyBuffers>(&self) -> Option<&T> {
         self.0.get(&TypeId::of::<T>())?.downcast_ref()
     }
 }

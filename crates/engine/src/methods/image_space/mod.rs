@@ -21,7 +21,7 @@ pub use passes::{
 
 use super::engine::Work;
 use super::opaque::NearestSplat;
-use super::own::Made;
+use super::own::FamilyBuffers;
 use super::peel::PeelWork;
 use super::points::{self, Choice};
 use super::{Error, Facts};
@@ -174,7 +174,7 @@ fields! {
     }
 }
 
-impl Made for Filterer {
+impl FamilyBuffers for Filterer {
     fn made(device: &Device) -> Result<Self, Error> {
         Ok(Self::new(device)?)
     }

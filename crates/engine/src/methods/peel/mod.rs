@@ -12,7 +12,7 @@ pub(crate) use engine::{PeelEngine, pass_group};
 
 use super::engine::Work;
 use super::opaque::NearestSplat;
-use super::own::Made;
+use super::own::FamilyBuffers;
 use super::told::Told;
 use super::{Error, Facts, PixelsGroup, Target};
 use crate::choices::Choices;
@@ -137,7 +137,7 @@ fields! {
     }
 }
 
-impl Made for Peeler {
+impl FamilyBuffers for Peeler {
     fn made(device: &Device) -> Result<Self, Error> {
         Ok(Self::new(device)?)
     }

@@ -11,7 +11,7 @@ pub(crate) use engine::{PeelLayersEngine, pass_group};
 
 use super::engine::Work;
 use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
-use super::own::Made;
+use super::own::FamilyBuffers;
 use super::peel::{Next, PeelWork};
 use super::told::Told;
 use super::{Error, Target};
@@ -108,7 +108,7 @@ impl<'a> Dispatches<'a> {
     }
 }
 
-impl Made for LayerPeeler {
+impl FamilyBuffers for LayerPeeler {
     fn made(device: &Device) -> Result<Self, Error> {
         Ok(Self::new(device)?)
     }
