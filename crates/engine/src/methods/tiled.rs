@@ -78,7 +78,7 @@ pub(crate) trait Stage {
 }
 
 /// A stage that is all of its method besides the projection: an engine by itself.
-pub(crate) trait Whole: Stage {
+pub(crate) trait TiledEngine: Stage {
     /// Cuts a frame into windows that fit the budget.
     fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window>;
 
@@ -96,17 +96,17 @@ pub(crate) trait Whole: Stage {
     }
 }
 
-impl<S: Whole> Engine for S {
+impl<S: TiledEngine> Engine for S {
     fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
         true
     }
 
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
-        Ok(Whole::windows(self, frame, budget))
+        Ok(TiledEngine::windows(self, frame, budget))
     }
 
     fn halves(&self, window: Window) -> Option<[Window; 2]> {
-        Whole::halves(self, window)
+        TiledEngine::halves(self, window)
     }
 
     fn channels(&self) -> Channels {
@@ -118,9 +118,9 @@ impl<S: Whole> Engine for S {
     }
 }
 
-impl<S: Whole> Explain for S {
+impl<S: TiledEngine> Explain for S {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
-        disc_bytes(pass, &self.discs()).or_else(|| Whole::least_bytes(self, pass))
+        disc_bytes(pass, &self.discs()).or_else(|| TiledEngine::least_bytes(self, pass))
     }
 
     fn explain(&self, plan: &mut Plan<'_>) {

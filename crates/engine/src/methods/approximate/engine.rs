@@ -3,7 +3,7 @@
 use super::{ApproximateKind, Approximations, least_bytes, pixel_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::Work;
-use crate::methods::tiled::{self, Stage, Whole};
+use crate::methods::tiled::{self, Stage, TiledEngine};
 use crate::methods::{Error, Frame, Outcome, Resources};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
@@ -42,7 +42,7 @@ impl Stage for ApproximateEngine {
     }
 }
 
-impl Whole for ApproximateEngine {
+impl TiledEngine for ApproximateEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window> {
         let bytes = pixel_bytes(self.kind);
         let most = budget.window_pixels(tiled::counted_bytes(frame) + bytes);

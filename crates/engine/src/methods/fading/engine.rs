@@ -3,7 +3,7 @@
 use super::{Fading, Fadings, least_bytes, most_pixels};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::Work;
-use crate::methods::tiled::{self, Stage, Whole};
+use crate::methods::tiled::{self, Stage, TiledEngine};
 use crate::methods::{Error, Frame, Outcome, Resources};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
@@ -37,7 +37,7 @@ impl Stage for FadingEngine {
     }
 }
 
-impl Whole for FadingEngine {
+impl TiledEngine for FadingEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window> {
         bands::windows(frame.size, most_pixels(budget, self.fading, tiled::counted_bytes(frame)))
     }

@@ -2,7 +2,7 @@
 
 use super::record_blend;
 use crate::methods::engine::Work;
-use crate::methods::tiled::{self, Stage, Whole};
+use crate::methods::tiled::{self, Stage, TiledEngine};
 use crate::methods::{Error, Frame, Outcome, Resources};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
@@ -40,7 +40,7 @@ impl Stage for SortedEngine {
     }
 }
 
-impl Whole for SortedEngine {
+impl TiledEngine for SortedEngine {
     /// Splats of a tile are composed in runs of 2048: another tile would group them in another way.
     fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window> {
         bands::tile_windows(frame.size, budget.window_pixels(tiled::counted_bytes(frame)))
