@@ -12,7 +12,7 @@ use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::Binned;
 use crate::passes::compose::Cut;
-use crate::passes::foresight::Place;
+use crate::passes::foresight::AnswerPlace;
 use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
@@ -302,7 +302,7 @@ pub(crate) struct Projected {
 
 /// The results of a projection, once it was submitted.
 #[derive(Clone, Copy)]
-pub(crate) struct PendingStats(Place);
+pub(crate) struct PendingStats(AnswerPlace);
 
 impl PendingStats {
     /// Returns the results by chunk.

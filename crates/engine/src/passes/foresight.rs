@@ -28,12 +28,12 @@ pub struct Answer {
     /// The words.
     pub words: Vec<u32>,
     /// Place at which the counts themselves are found.
-    pub place: Place,
+    pub place: AnswerPlace,
 }
 
 /// Place of the counts that answer a question, once they were submitted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct AnswerPlace {
     first: u64,
     count: u64,
 }
@@ -200,7 +200,7 @@ impl Foresight {
         let bounds = bounds.slice(first, count);
         recorder.update(bounds, &most);
         recorder.only_within(found.slice(first, count), bounds, go.all())?;
-        Ok(Some(Answer { words: most, place: Place { first, count } }))
+        Ok(Some(Answer { words: most, place: AnswerPlace { first, count } }))
     }
 
     /// Returns the answer to the last question, which was waited for.
@@ -208,7 +208,7 @@ impl Foresight {
         let Some(place) = self.asked.len().checked_sub(1) else { return Answer::default() };
         self.bound(place);
         let Question { first, most, .. } = &self.asked[place];
-        let found = Place { first: *first, count: most.len() as u64 };
+        let found = AnswerPlace { first: *first, count: most.len() as u64 };
         let words = match self.knowledge {
             Knowledge::None => self.found(found).to_vec(),
             _ => most.clone(),
@@ -247,7 +247,7 @@ impl Foresight {
     }
 
     /// Returns what was found, once the submission with the question has been waited for.
-    pub fn found(&self, Place { first, count }: Place) -> &[u32] {
+    pub fn found(&self, AnswerPlace { first, count }: AnswerPlace) -> &[u32] {
         let range = first as usize..(first + count) as usize;
         self.answers.as_ref().map_or(&[], |answers| &answers.host.mapped_slice()[range])
     }

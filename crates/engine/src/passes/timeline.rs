@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::Error;
-use super::foresight::{Answer, Foresight, Knowledge, Place};
+use super::foresight::{Answer, AnswerPlace, Foresight, Knowledge};
 use crate::gpu::{Device, PassTime, Paused, Recorder, Slice, Submitted};
 use crate::progress::Progress;
 
@@ -74,7 +74,7 @@ impl Timeline {
     }
 
     /// Returns what was found, once it was submitted.
-    pub fn found(&self, place: Place) -> &[u32] {
+    pub fn found(&self, place: AnswerPlace) -> &[u32] {
         self.foresight.found(place)
     }
 

@@ -6,7 +6,7 @@ use super::{ABuffer, Bodies, Counting, LOCAL_LENGTH, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
 use crate::methods::{Error, Facts, Timeline};
 use crate::passes::bands::{self, Band};
-use crate::passes::foresight::Place;
+use crate::passes::foresight::AnswerPlace;
 use crate::passes::raster::CountPush;
 use crate::passes::scan::Scan;
 
@@ -23,12 +23,12 @@ pub(super) struct Counted {
     pub(super) bodies: u32,
     most_bodies: u32,
     /// Place at which the counts are found.
-    place: Place,
+    place: AnswerPlace,
 }
 
 impl Counted {
     /// Returns the counts in the words of an answer.
-    fn new(words: &[u32], place: Place, bodies_of: Bodies) -> Self {
+    fn new(words: &[u32], place: AnswerPlace, bodies_of: Bodies) -> Self {
         let (longest, total) = (words[1], words[3]);
         let [most_bodies, bodies] = match bodies_of {
             Bodies::Counted => [words[4], words[5]],

@@ -7,7 +7,7 @@ use crate::gpu::{Device, Dispatch};
 use crate::passes::Error;
 use crate::passes::bands::{Budget, Window};
 use crate::passes::compose::Cut;
-use crate::passes::foresight::Place;
+use crate::passes::foresight::AnswerPlace;
 use crate::passes::project::Stats;
 use crate::passes::radix::Runs;
 use crate::passes::raster::Raster;
@@ -144,7 +144,7 @@ pub struct Binned {
     /// Splats of the tile with most of them, at most.
     pub(super) longest: u32,
     /// Place of the counts: overflow, pairs of splat and tile, splats of the tile with most of them.
-    pub(super) counts: Place,
+    pub(super) counts: AnswerPlace,
 }
 
 impl Binned {
