@@ -28,7 +28,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
-use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
+use pellucid_engine::passes::project::{CloudPart, DeviceCloud, Footprint, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
 use pellucid_engine::profile::{self, Profile};
@@ -309,7 +309,7 @@ impl Course {
             shading: Shading::NONE,
             color: ColorSpace::Linear,
             opacity_factor: 1.0,
-            part: Part::All,
+            part: CloudPart::All,
             relative_depth: false,
             lit: false,
             gaussians: Default::default(),

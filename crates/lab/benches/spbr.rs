@@ -26,7 +26,7 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
-use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
+use pellucid_engine::passes::project::{CloudPart, DeviceCloud, Footprint, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
 use pellucid_gpu::{Buffer, Device, DeviceOptions, Memory};
@@ -138,7 +138,7 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
         shading: Shading::NONE,
         color: ColorSpace::Linear,
         opacity_factor: 1.0,
-        part: Part::All,
+        part: CloudPart::All,
         relative_depth: false,
         lit: false,
         gaussians: Default::default(),

@@ -1,7 +1,7 @@
 //! The projection settings of a frame's splats.
 
 use super::{Frame, abuffer, shadows};
-use crate::passes::project::{DeviceCloud, Drawing, Footprint, Part, Projecting};
+use crate::passes::project::{CloudPart, DeviceCloud, Drawing, Footprint, Projecting};
 use crate::scene::{DiscShape, Discs, Kernel, Order, Raster, ScreenSplats, SplatShape};
 
 /// Radii as they are.
@@ -22,7 +22,7 @@ impl Frame {
         cloud: &DeviceCloud,
         footprint: Footprint,
         settings: ScreenSplats,
-        part: Part,
+        part: CloudPart,
     ) -> Projecting {
         // Without normals there are no tilts, and every disc is flat.
         let flat = footprint == Footprint::Oriented && !cloud.has_normals();
@@ -42,13 +42,13 @@ impl Frame {
 
     /// Returns the conversion of all points to pixels of their own.
     pub(super) fn projecting_points(&self, cloud: &DeviceCloud) -> Projecting {
-        self.projecting(cloud, Footprint::Point, UNCLAMPED, Part::All)
+        self.projecting(cloud, Footprint::Point, UNCLAMPED, CloudPart::All)
     }
 }
 
 /// Returns the conversion of a cloud's discs and Gaussians to splats.
 pub(super) fn discs(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecting {
-    let of_discs = frame.projecting(cloud, abuffer::footprint(discs.shape), UNCLAMPED, Part::All);
+    let of_discs = frame.projecting(cloud, abuffer::footprint(discs.shape), UNCLAMPED, CloudPart::All);
     if !cloud.has_gaussians() {
         return of_discs;
     }

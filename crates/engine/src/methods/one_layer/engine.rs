@@ -9,7 +9,7 @@ use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
 use crate::methods::{Buffers, Error, Frame, Outcome, tiled};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, Footprint, Part, Stats};
+use crate::passes::project::{CloudPart, DeviceCloud, Footprint, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{BlendedSplats, OneLayer};
 
@@ -72,7 +72,7 @@ impl Engine for OneLayerEngine {
         }
         let mut met = None;
         if cloud.parts(threshold).soft > 0 {
-            let how = solid_projecting(work.frame, cloud, Part::Soft { threshold, modulation: None });
+            let how = solid_projecting(work.frame, cloud, CloudPart::Soft { threshold, modulation: None });
             let stats = work.project(cloud, &how)?;
             if !work.survey {
                 buffers.resources.layer.reserve(work.device, work.pixels())?;
@@ -84,9 +84,9 @@ impl Engine for OneLayerEngine {
         }
         let layered = met.iter().any(|stats| stats.iter().any(|s| s.visible > 0));
         let (part, onto) = if layered {
-            (Part::Marked(threshold), Onto::TargetBehindLayer)
+            (CloudPart::Marked(threshold), Onto::TargetBehindLayer)
         } else {
-            (Part::Solid(threshold), Onto::Target)
+            (CloudPart::Solid(threshold), Onto::Target)
         };
         let how = solid_projecting(work.frame, cloud, part);
         let stats = work.project(cloud, &how)?;

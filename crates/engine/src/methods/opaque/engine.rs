@@ -7,7 +7,7 @@ use crate::methods::explain::{Absent, COUNTERS, Explain, NOTHING, PassGroup, Pla
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, Extent, Footprint, Part};
+use crate::passes::project::{CloudPart, DeviceCloud, Extent, Footprint};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{Relief, ScreenSplats};
 
@@ -37,7 +37,7 @@ impl Engine for NearestEngine {
         work: &mut Work<'_>,
     ) -> Result<Outcome, Error> {
         let window = work.window;
-        let how = work.frame.projecting(cloud, self.footprint, self.splats, Part::All);
+        let how = work.frame.projecting(cloud, self.footprint, self.splats, CloudPart::All);
         let stats = work.project(cloud, &how)?;
         let walker = walker(work.device, self.splats.raster, window)?;
         if work.reserve_tiles(tiles, &stats, walker == Walker::Compute)?.is_none() {

@@ -15,7 +15,7 @@ use crate::methods::{Buffers, Error, Frame, Layer, Outcome, Resources, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::compose;
-use crate::passes::project::{DeviceCloud, Footprint, Part, Parts, Projecting, Stats};
+use crate::passes::project::{CloudPart, DeviceCloud, Footprint, Parts, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::prepare::axes::Axis;
 use crate::scene::{Discs, Soft};
@@ -290,13 +290,13 @@ fn visible(stats: &[Stats]) -> u64 {
 
 /// The conversion of soft points to splats.
 fn projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft, footprint: Footprint) -> Projecting {
-    let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
+    let part = CloudPart::Soft { threshold: soft.threshold, modulation: soft.modulation };
     frame.projecting(cloud, footprint, UNCLAMPED, part)
 }
 
 /// The conversion of solid points to splats.
 fn solids(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
-    solid_projecting(frame, cloud, Part::Solid(soft.threshold))
+    solid_projecting(frame, cloud, CloudPart::Solid(soft.threshold))
 }
 
 /// Draws a window's solid points into the layer, or clears it without any pass over splats if none is visible. A survey

@@ -8,7 +8,7 @@ use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, PassGroup, P
 use crate::methods::{Buffers, Error, Facts, Frame, Layer, Outcome, Resources, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
-use crate::passes::project::{DeviceCloud, Extent, Footprint, Part, Projecting, Stats};
+use crate::passes::project::{CloudPart, DeviceCloud, Extent, Footprint, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{BlendedSplats, ScreenSplats};
 
@@ -35,7 +35,7 @@ impl Engine for SplatsEngine {
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let BlendedSplats { splats, blend_depth, .. } = self.settings;
-        let how = work.frame.projecting(cloud, self.footprint, splats, Part::All);
+        let how = work.frame.projecting(cloud, self.footprint, splats, CloudPart::All);
         let stats = work.project(cloud, &how)?;
         let footprint = how.footprint;
         let drawing = Drawing { stats: &stats, footprint, blend_depth, used_bytes: PIXEL_BYTES, onto: Onto::Target };
@@ -115,7 +115,7 @@ pub(crate) fn draw(
 
 /// Returns the conversion of a part of a cloud's points to three-pass splats: like those of `splats`, with its
 /// defaults.
-pub(crate) fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: Part) -> Projecting {
+pub(crate) fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: CloudPart) -> Projecting {
     frame.projecting(cloud, Footprint::Oriented, ScreenSplats::default(), part)
 }
 

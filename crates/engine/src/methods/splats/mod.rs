@@ -74,7 +74,7 @@ pub struct WindowJob<'a> {
     /// Fragments up to so many radii behind the nearest are blended with it.
     pub blend_depth: f32,
     /// Depths of a layer, behind which alone splats count unless they are marked as solid
-    /// ([`crate::passes::project::Part::Marked`]).
+    /// ([`crate::passes::project::CloudPart::Marked`]).
     pub layer: Option<Slice<'a, f32>>,
 }
 

@@ -9,7 +9,7 @@ mod shade;
 pub use beam::{Beam, Extent};
 pub use cloud::{COLUMN_BYTES, Column, CutFor, DeviceCloud, GaussianColumns, LightImages, Placed, Present, View};
 pub use footprint::{DISCS, Footprint, TILED};
-pub use part::{Part, Parts};
+pub use part::{CloudPart, Parts};
 pub(crate) use shade::Shaded;
 
 use self::part::{PART_MARKED, PART_SOFT, PART_SOLID};
@@ -155,7 +155,7 @@ pub struct Projecting {
     /// Factor on the opacity; the product is at most 1.
     pub opacity_factor: f32,
     /// Part of the points.
-    pub part: Part,
+    pub part: CloudPart,
     /// `true` if depths of splats are relative to the nearest depth of the points' box: the smaller they are, the more
     /// digits they have.
     pub relative_depth: bool,
@@ -233,7 +233,7 @@ impl DeviceCloud {
     pub fn record_project<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
         self.record_clear(recorder)?;
         // Without a field F is 0 everywhere: all points are solid, and nobody asks for soft ones.
-        let part = if self.has_fields { how.part } else { Part::All };
+        let part = if self.has_fields { how.part } else { CloudPart::All };
         let variant = project_variant(&Projecting { part, ..*how }, self.has_normals, self.prefers.shared_work);
         let gaussians = self.gaussians.as_ref().filter(|_| how.footprint.has_gaussians());
         for (chunk, (first, count)) in self.chunks().enumerate() {
@@ -336,7 +336,7 @@ fn project_variant(how: &Projecting, normals: bool, shared: bool) -> Variant {
 }
 
 impl Shaded {
-    fn project(self, footprint: Footprint, part: Part, shared: bool) -> Variant {
+    fn project(self, footprint: Footprint, part: CloudPart, shared: bool) -> Variant {
         self.variant()
             .walker(if shared { "found_by_group" } else { "found_alone" })
             .with("SHAPE", footprint as u32)
@@ -348,8 +348,8 @@ impl Shaded {
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let soft = Part::Soft { threshold: 0.5, modulation: None };
-    let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
+    let soft = CloudPart::Soft { threshold: 0.5, modulation: None };
+    let parts = [CloudPart::All, CloudPart::Solid(0.5), soft, CloudPart::Marked(0.5)];
     let choices = <((Shaded, Footprint), bool)>::all();
     let variants =
         choices.iter().flat_map(|((shaded, shape), shared)| parts.map(|part| shaded.project(*shape, part, *shared)));

@@ -6,7 +6,7 @@ use crate::supply::{self, Supply};
 
 /// Part of the points of a cloud that is projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Part {
+pub enum CloudPart {
     /// All.
     All,
     /// Points whose field is at most the threshold.
@@ -23,7 +23,7 @@ pub enum Part {
     Marked(f32),
 }
 
-impl Part {
+impl CloudPart {
     /// Returns the value of `PART` in WGSL.
     pub(super) fn value(self) -> u32 {
         match self {

@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
-use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
+use pellucid_engine::passes::project::{CloudPart, DeviceCloud, Footprint, Projecting};
 use pellucid_gpu::Buffer;
 use pellucid_scene::{ColorSpace, Document, Overrides, Setting, Shading};
 
@@ -85,7 +85,7 @@ pub fn assert_same_clouds(live: &mut Stage, fresh: &mut Stage, what: &str) {
         radius_factor: 1.0,
         max_radius_px: 1.0,
         opacity_factor: 1.0,
-        part: Part::All,
+        part: CloudPart::All,
         relative_depth: false,
         shading: Shading::NONE,
         color: ColorSpace::Linear,
