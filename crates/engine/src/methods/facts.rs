@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::spbr::Form;
-use crate::passes::bin::Survey;
+use crate::passes::bin::BinSurvey;
 use crate::passes::project::Stats;
 use crate::passes::raster::Walker;
 
@@ -116,11 +116,11 @@ impl Facts {
     }
 
     /// Adds a window whose splats were only surveyed, not binned.
-    pub(super) fn note_survey(&mut self, survey: Survey) -> Outcome {
+    pub(super) fn note_survey(&mut self, survey: BinSurvey) -> Outcome {
         match survey {
-            Survey::Nothing => {}
-            Survey::TooLarge => return Outcome::Overflow,
-            Survey::Cells(cells) => {
+            BinSurvey::Nothing => {}
+            BinSurvey::TooLarge => return Outcome::Overflow,
+            BinSurvey::Cells(cells) => {
                 self.tile_cells = self.tile_cells.max(cells);
                 self.bands += 1;
             }

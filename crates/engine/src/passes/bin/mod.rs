@@ -105,7 +105,7 @@ pub enum Bin {
 
 /// Outcome that binning a window would have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Survey {
+pub enum BinSurvey {
     /// No splat is drawn.
     Nothing,
     /// The tiles take too much memory: the window must be cut.
@@ -198,9 +198,9 @@ impl Bins {
     }
 
     /// Decides how a window is binned; sorts nothing.
-    pub fn survey(device: &Device, job: &Job<'_>) -> Result<Survey, Error> {
-        let Some(binning) = Binning::for_window(device, job)? else { return Ok(Survey::Nothing) };
-        Ok(binning.left(device, job)?.map_or(Survey::TooLarge, |_| Survey::Cells(binning.cells())))
+    pub fn survey(device: &Device, job: &Job<'_>) -> Result<BinSurvey, Error> {
+        let Some(binning) = Binning::for_window(device, job)? else { return Ok(BinSurvey::Nothing) };
+        Ok(binning.left(device, job)?.map_or(BinSurvey::TooLarge, |_| BinSurvey::Cells(binning.cells())))
     }
 
     fn reserve(&mut self, device: &Device, job: &Job<'_>, binning: &Binning) -> Result<(), Error> {
