@@ -3,7 +3,7 @@
 pub use crate::methods::Step;
 
 use crate::gpu::Device;
-use crate::methods::explain::Plan;
+use crate::methods::explain::FramePlan;
 use crate::methods::soft::SoftModel;
 use crate::methods::{Error, Facts, Frame, Renderer, cost, engine_of, pass_groups};
 use crate::passes::project::{DeviceCloud, Parts};
@@ -130,7 +130,7 @@ fn has_gaussians(points: &Points) -> bool {
 /// Returns the passes of a frame whose facts were surveyed (see [`Renderer::survey`]), in the order of their first run.
 /// `why` is the reason for the method, from [`choose`].
 pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, why: &str) -> Vec<Step> {
-    let mut plan = Plan { device, frame, facts, wide_atomics, why, steps: Vec::new() };
+    let mut plan = FramePlan { device, frame, facts, wide_atomics, why, steps: Vec::new() };
     plan.shadows();
     engine_of(&frame.method).explain(&mut plan);
     for group in pass_groups() {

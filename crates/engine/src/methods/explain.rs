@@ -19,7 +19,7 @@ pub(crate) trait Explain {
 
     /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves
     /// out.
-    fn explain(&self, plan: &mut Plan<'_>);
+    fn explain(&self, plan: &mut FramePlan<'_>);
 }
 
 /// A pass of the frame plan.
@@ -93,7 +93,7 @@ pub(crate) const SCAN: [&str; 2] = ["scan/reduce", "scan/spread"];
 const SCAN_RUN: u64 = 64;
 
 /// The plan of a frame that an engine explains.
-pub(crate) struct Plan<'a> {
+pub(crate) struct FramePlan<'a> {
     /// The device.
     pub device: &'a Device,
     /// The frame.
@@ -108,7 +108,7 @@ pub(crate) struct Plan<'a> {
     pub steps: Vec<Step>,
 }
 
-impl Plan<'_> {
+impl FramePlan<'_> {
     /// Adds a pass.
     pub fn add(&mut self, name: &'static str, on: bool, reason: impl Into<String>) {
         self.steps.push(Step { name, on, reason: reason.into() });

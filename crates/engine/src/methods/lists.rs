@@ -11,7 +11,7 @@ use super::projecting::discs as projecting;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Engine, Work, project, windows_of};
-use crate::methods::explain::{Explain, Plan};
+use crate::methods::explain::{Explain, FramePlan};
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop, Timeline, tiled};
 use crate::passes::bands::{self, Budget, Window};
@@ -179,7 +179,7 @@ impl Explain for ListEngine {
         pass.projected(tilted).or_else(|| tiled::binned_bytes(pass)).or_else(lists)
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         abuffer::lists(plan, &self.discs, self.linked);
     }
 }

@@ -3,7 +3,7 @@
 use super::abuffer;
 use super::bytes::PassRuns;
 use super::engine::{Channels, Engine, Work};
-use super::explain::{Absent, Explain, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
+use super::explain::{Absent, Explain, FramePlan, NOTHING, ORDER, PRESORTED, PassGroup};
 use super::walker::walker;
 use super::{Buffers, Error, Facts, Frame, Outcome, PixelsGroup, Resources};
 use crate::gpu::{Device, DeviceInfo, Recorder};
@@ -123,7 +123,7 @@ impl<S: TiledEngine> Explain for S {
         disc_bytes(pass, &self.discs()).or_else(|| TiledEngine::least_bytes(self, pass))
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         explain(plan, self.passes(), self.order());
     }
 }
@@ -237,7 +237,7 @@ pub(super) fn stage_group() -> PassGroup {
 }
 
 /// The plan of a frame of stages, one after the other: the sort of splats, the stages, and the counting of lists.
-fn explain(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
+fn explain(plan: &mut FramePlan<'_>, names: &[&'static str], order: Order) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     let counters = if plan.seen() { plan.order(order, why) } else { 0 };
@@ -252,7 +252,7 @@ fn explain(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
 }
 
 /// The passes of lists in the plan of a frame without lists.
-pub(super) fn without_lists(plan: &mut Plan<'_>, reason: &str) {
+pub(super) fn without_lists(plan: &mut FramePlan<'_>, reason: &str) {
     plan.rest(&abuffer::COUNT, "lengths of lists were not requested, and the method does not need them");
     plan.rest(&abuffer::list_passes(), reason);
 }

@@ -1,7 +1,7 @@
 //! Plans of methods with lists of fragments.
 
 use super::{CLASSES, LOCAL_LENGTH, lower_bound};
-use crate::methods::explain::{Absent, NOTHING, PassGroup, Plan};
+use crate::methods::explain::{Absent, FramePlan, NOTHING, PassGroup};
 use crate::passes::bin::Order;
 use crate::scene::{Discs, Kernel, LongLists};
 
@@ -58,7 +58,7 @@ pub(crate) fn list_passes() -> Vec<&'static str> {
 }
 
 /// The plan of a frame of lists.
-pub(crate) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
+pub(crate) fn lists(plan: &mut FramePlan<'_>, discs: &Discs, linked: bool) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     if facts.gaussians > 0 && discs.gaussians.kernel == Kernel::Ellipsoid {
@@ -92,7 +92,7 @@ pub(crate) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
 }
 
 /// The plan of a frame of lists of events: where rays enter and leave ellipsoids.
-fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
+fn ellipsoids(plan: &mut FramePlan<'_>, long_lists: LongLists, linked: bool) {
     let facts = plan.facts;
     let (any, several) = (facts.fragments > 0, facts.max_events > LOCAL_LENGTH);
     let met = plan
@@ -135,7 +135,7 @@ fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
 
 /// The lengths of lists, counted beside what the method does if they are asked for; `others` are elements of its prefix
 /// sums.
-pub(crate) fn counted_beside(plan: &mut Plan<'_>, others: u64) {
+pub(crate) fn counted_beside(plan: &mut FramePlan<'_>, others: u64) {
     if plan.frame.fragments {
         count(plan, "the lengths of lists were requested", true, others, false);
     } else {
@@ -145,7 +145,7 @@ pub(crate) fn counted_beside(plan: &mut Plan<'_>, others: u64) {
 
 /// Explains the counting of list lengths; `visited` means splat by splat. Prefix sums of `others` further elements
 /// share their passes.
-fn count(plan: &mut Plan<'_>, why: &str, visited: bool, others: u64, linked: bool) {
+fn count(plan: &mut FramePlan<'_>, why: &str, visited: bool, others: u64, linked: bool) {
     let facts = plan.facts;
     let counted = if plan.seen() { format!("{why}; rasterized by {}", facts.raster) } else { NOTHING.to_owned() };
     plan.add("abuffer/clear", true, "counters start at zero");
@@ -161,7 +161,7 @@ fn count(plan: &mut Plan<'_>, why: &str, visited: bool, others: u64, linked: boo
 }
 
 /// The kernels of the lengths that occur.
-fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
+fn kernels(plan: &mut FramePlan<'_>, longest: u32, discs: &Discs) {
     let long_lists = discs.long_lists;
     for (class, (most, name)) in CLASSES.into_iter().enumerate() {
         let least = lower_bound(class) + 1;
@@ -197,6 +197,6 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
 const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths were requested";
 
 /// Returns `true` if the depths are wanted at which half of the light or less is left.
-fn wants_medians(plan: &Plan<'_>) -> bool {
+fn wants_medians(plan: &FramePlan<'_>) -> bool {
     plan.frame.shading.edl.edl || plan.frame.depths
 }

@@ -7,7 +7,7 @@ use super::{DeepSource, Sink};
 use crate::methods::abuffer::{self, Sampling, Shown, Slots, StoreFragments, Taken, WindowJob};
 use crate::methods::ellipsoids::Ellipsoids;
 use crate::methods::engine::{Engine, Work, windows_of};
-use crate::methods::explain::{Explain, Plan};
+use crate::methods::explain::{Explain, FramePlan};
 use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
 use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop};
@@ -102,5 +102,5 @@ impl Engine for DeepEngine<'_> {
 
 impl Explain for DeepEngine<'_> {
     /// Frames with plans are those of images.
-    fn explain(&self, _plan: &mut Plan<'_>) {}
+    fn explain(&self, _plan: &mut FramePlan<'_>) {}
 }

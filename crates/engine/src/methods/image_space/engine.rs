@@ -3,7 +3,7 @@
 use super::{Filter, Filterer, WindowJob, halo, least_bytes, windows};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Engine, Work};
-use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::points;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
@@ -51,7 +51,7 @@ impl Explain for ImageSpaceEngine {
         least_bytes(pass.name, pass.facts, pass.cloud, self.filters.cull)
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         self.filtering().explain(plan);
     }
 }
@@ -97,7 +97,7 @@ impl Filtering {
     }
 
     /// The plan of a frame.
-    pub fn explain(&self, plan: &mut Plan<'_>) {
+    pub fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.cleared();
         plan.not_projected();
         self.explain_points(plan);
@@ -115,7 +115,7 @@ impl Filtering {
     }
 
     /// Finding the nearest points.
-    fn explain_points(&self, plan: &mut Plan<'_>) {
+    fn explain_points(&self, plan: &mut FramePlan<'_>) {
         plan.add("image-space/clear", true, "nearest points and work lists start empty");
         if self.layers.is_some() {
             plan.add("peel-layers/clear", true, "counts of layers start at zero");
@@ -129,7 +129,7 @@ impl Filtering {
     }
 
     /// Making an image of them and filtering it.
-    fn explain_filters(&self, plan: &mut Plan<'_>) {
+    fn explain_filters(&self, plan: &mut FramePlan<'_>) {
         let facts = plan.facts;
         let tiles = facts.image_tiles;
         plan.add("image-space/measure", true, format!("finds what each of {tiles} tiles holds"));

@@ -5,7 +5,7 @@ use crate::gpu::DeviceInfo;
 use crate::methods::abuffer::{self, list_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Engine, Work, windows_of};
-use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
 use crate::methods::{Buffers, Error, Frame, Outcome, tiled};
 use crate::passes::bands::{Budget, Window};
@@ -120,7 +120,7 @@ impl Explain for OneLayerEngine {
         pass.projected(false).or_else(counted)
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.projected();
         splats::explain_windows(plan, abuffer::counted_beside);
     }

@@ -3,7 +3,7 @@
 use super::{Opaque, PIXEL_BYTES};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Engine, Work, windows_of};
-use crate::methods::explain::{Absent, COUNTERS, Explain, NOTHING, PassGroup, Plan, TILES};
+use crate::methods::explain::{Absent, COUNTERS, Explain, FramePlan, NOTHING, PassGroup, TILES};
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
@@ -62,7 +62,7 @@ impl Explain for NearestEngine {
         }
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.projected();
         let tiled = plan.tiles(plan.facts.large);
         plan.scan(tiled, "tiles of large splats");

@@ -3,7 +3,7 @@
 use super::{Peeler, WindowJob, pixel_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Fragments, Work, windows_of};
-use crate::methods::explain::{Absent, Explain, NOTHING, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, FramePlan, NOTHING, PassGroup};
 use crate::methods::projecting;
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
@@ -72,7 +72,7 @@ impl Explain for PeelEngine {
         }
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.projected();
         let (seen, why, layers) = (plan.seen(), plan.why, self.peel.layers);
         let tiled = plan.tiles(plan.facts.large);

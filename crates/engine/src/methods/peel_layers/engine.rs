@@ -3,7 +3,7 @@
 use super::{LayerPeeler, LayersJob};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
-use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::image_space::{self, Filtering};
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
@@ -66,7 +66,7 @@ impl Explain for PeelLayersEngine {
         image_space::least_bytes(pass.name, pass.facts, pass.cloud, self.settings.filters.cull)
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         self.filtering().explain(plan);
     }
 }

@@ -3,7 +3,7 @@
 use super::NEAREST;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Engine, Work, windows_of};
-use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::{Buffers, Error, Frame, Outcome, opaque};
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::{DeviceCloud, Extent};
@@ -60,7 +60,7 @@ impl Explain for PointsEngine {
         }
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.cleared();
         plan.not_projected();
         plan.nearest(NEAREST, plan.facts.points > 0, plan.why);

@@ -8,7 +8,7 @@ use crate::gpu::Device;
 use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::{Explain, Plan};
+use crate::methods::explain::{Explain, FramePlan};
 use crate::methods::projecting::UNCLAMPED;
 use crate::methods::splats::{self, Onto, solid_projecting};
 use crate::methods::{Buffers, Error, Frame, Layer, Outcome, Resources, tiled};
@@ -186,7 +186,7 @@ impl Explain for SpheresEngine {
         }
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         explain::spheres(plan, self.soft.threshold, self.interior);
     }
 }
@@ -279,7 +279,7 @@ impl Explain for ExpressEngine {
         pass.projected(false).or_else(|| tiled::binned_bytes(pass).filter(|_| known))
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         explain::discs(plan, self.soft.threshold);
     }
 }

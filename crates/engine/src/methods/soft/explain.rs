@@ -2,7 +2,7 @@
 
 use super::{Interior, classes};
 use crate::methods::abuffer::{self, BY_LENGTH, LOCAL_LENGTH, lower_bound};
-use crate::methods::explain::{Absent, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
+use crate::methods::explain::{Absent, FramePlan, NOTHING, ORDER, PRESORTED, PassGroup};
 use crate::methods::splats::explain_solids;
 use crate::passes::bin;
 use crate::prepare::axes::Axis;
@@ -28,7 +28,7 @@ fn sphere_passes() -> Vec<&'static str> {
 }
 
 /// Solid points as opaque splats, and soft ones as spheres before them.
-pub(super) fn spheres(plan: &mut Plan<'_>, threshold: f32, interior: Interior) {
+pub(super) fn spheres(plan: &mut FramePlan<'_>, threshold: f32, interior: Interior) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     let solid = facts.solid_points;
@@ -49,7 +49,7 @@ pub(super) fn spheres(plan: &mut Plan<'_>, threshold: f32, interior: Interior) {
 }
 
 /// Events of spheres in lists.
-fn events(plan: &mut Plan<'_>, softs: &str, counters: u64, interior: Interior) {
+fn events(plan: &mut FramePlan<'_>, softs: &str, counters: u64, interior: Interior) {
     let facts = plan.facts;
     let seen = facts.soft_visible > 0;
     let any = facts.fragments > 0;
@@ -72,7 +72,7 @@ fn events(plan: &mut Plan<'_>, softs: &str, counters: u64, interior: Interior) {
 }
 
 /// The kernels of the lengths that occur, for events of soft spheres.
-fn kernels(plan: &mut Plan<'_>, longest: u32, integrated: bool) {
+fn kernels(plan: &mut FramePlan<'_>, longest: u32, integrated: bool) {
     let reason = |on: bool, least: u32, most: u32| match on {
         true => format!("lists of {least} to {most} events (longest: {longest})"),
         false => format!("no list has {least} events or more (longest: {longest})"),
@@ -95,7 +95,7 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, integrated: bool) {
 }
 
 /// Solid points as opaque splats, and soft ones as discs in a presorted order before them.
-pub(super) fn discs(plan: &mut Plan<'_>, threshold: f32) {
+pub(super) fn discs(plan: &mut FramePlan<'_>, threshold: f32) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     let solid = facts.solid_points;

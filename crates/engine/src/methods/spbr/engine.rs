@@ -6,7 +6,7 @@ use crate::camera::Projection;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Counts, Engine, Work};
-use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::parts::Sums;
 use crate::methods::{Buffers, Error, Frame, Outcome, SamplePart};
 use crate::passes::bands::{self, Budget, Window};
@@ -129,7 +129,7 @@ impl Explain for EnsembleEngine {
         least_bytes(pass.name, pass.facts, pass.frame.wants_spread(), pass.pixels())
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         let facts = plan.facts;
         let any = facts.slots > 0;
         plan.add("spbr/clear", true, "the planes of ensembles and the sums start empty");
@@ -160,7 +160,7 @@ impl Explain for EnsembleEngine {
 }
 
 /// The stages that draw ensembles; the form decides which of them run.
-fn explain_stages(plan: &mut Plan<'_>, any: bool) {
+fn explain_stages(plan: &mut FramePlan<'_>, any: bool) {
     let (facts, why) = (plan.facts, plan.why);
     let dealt = format!("{} points dealt to {} ensembles", facts.slots, facts.ensembles);
     let has = if plan.device.info().int64_atomics { "the device has" } else { "the device has no" };

@@ -4,7 +4,7 @@ use super::{PASSES, PIXEL_BYTES, Splatter, WindowJob, least_bytes, survey};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Engine, Work, windows_of};
-use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, PassGroup, Plan};
+use crate::methods::explain::{Absent, EACH_PIXEL, Explain, FramePlan, NOTHING, PassGroup};
 use crate::methods::{Buffers, Error, Facts, Frame, Layer, Outcome, Resources, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
@@ -57,7 +57,7 @@ impl Explain for SplatsEngine {
         pass.projected(tilted).or_else(|| tiled::binned_bytes(&binned)).or_else(own)
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.projected();
         explain_windows(plan, |plan, counters| plan.scan(counters, "counters of digits and tiles"));
     }
@@ -139,7 +139,7 @@ pub(crate) fn pass_group() -> PassGroup {
 }
 
 /// The plan of windows of splats, and perhaps a layer over them; `scan` explains the prefix sums of so many counters.
-pub(crate) fn explain_windows(plan: &mut Plan<'_>, scan: fn(&mut Plan<'_>, u64)) {
+pub(crate) fn explain_windows(plan: &mut FramePlan<'_>, scan: fn(&mut FramePlan<'_>, u64)) {
     let (facts, why) = (plan.facts, plan.why);
     let counters = explain_solids(plan, why);
     scan(plan, counters);
@@ -152,7 +152,7 @@ pub(crate) fn explain_windows(plan: &mut Plan<'_>, scan: fn(&mut Plan<'_>, u64))
 }
 
 /// Returns the passes of opaque splats that are blended, tiles included; returns how many counters are summed.
-pub(crate) fn explain_solids(plan: &mut Plan<'_>, why: &str) -> u64 {
+pub(crate) fn explain_solids(plan: &mut FramePlan<'_>, why: &str) -> u64 {
     let seen = plan.facts.splatted > 0;
     let counters = if seen { plan.order(Order::Index, EACH_PIXEL) } else { 0 };
     let reasons = [

@@ -8,7 +8,7 @@ use crate::gpu::{Device, DeviceInfo};
 use crate::methods::abuffer::counted_beside;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
-use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, ORDER, PassGroup, Plan};
+use crate::methods::explain::{Absent, EACH_PIXEL, Explain, FramePlan, NOTHING, ORDER, PassGroup};
 use crate::methods::parts::{Plane, Sums};
 use crate::methods::tiled::{self, Stage};
 use crate::methods::walker::sampling_walker;
@@ -144,7 +144,7 @@ impl Explain for StochasticEngine {
             .or_else(|| hardware::least_bytes(pass.name, pass.runs, strata, quads, pixels))
     }
 
-    fn explain(&self, plan: &mut Plan<'_>) {
+    fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.projected();
         if plan.facts.raster == "hardware" {
             explain_draws(plan, &self.settings);
@@ -178,7 +178,7 @@ fn correction(settings: &Stochastic) -> &'static str {
 }
 
 /// Splats in tiles, and the passes over them for each few strata of samples.
-fn explain_tiles(plan: &mut Plan<'_>, settings: &Stochastic) {
+fn explain_tiles(plan: &mut FramePlan<'_>, settings: &Stochastic) {
     let (why, alpha) = (plan.why, correction(settings));
     let counters = if plan.seen() { plan.order(Order::Index, EACH_PIXEL) } else { 0 };
     counted_beside(plan, counters);
@@ -195,7 +195,7 @@ fn explain_tiles(plan: &mut Plan<'_>, settings: &Stochastic) {
 }
 
 /// The rasterizer's samples, stratum by stratum.
-fn explain_draws(plan: &mut Plan<'_>, settings: &Stochastic) {
+fn explain_draws(plan: &mut FramePlan<'_>, settings: &Stochastic) {
     let (why, alpha) = (plan.why, correction(settings));
     if plan.frame.fragments {
         counted_beside(plan, 0);
