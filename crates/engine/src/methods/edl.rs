@@ -71,7 +71,7 @@ fn factor(strength: f32) -> f32 {
 
 /// Input of shading: an image's size, and the depth of each of its pixels.
 #[derive(Clone, Copy)]
-pub(crate) struct Surface<'a> {
+pub(crate) struct ShadedDepths<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Positive, +inf where nothing is shaded.
@@ -96,7 +96,7 @@ impl EyeDomeLighting {
         device: &Device,
         edl: &Edl,
         budget: u64,
-        surface: Surface<'_>,
+        surface: ShadedDepths<'_>,
         colors: &mut [[f32; 4]],
         timeline: &mut Timeline,
     ) -> Result<(), Error> {

@@ -4,7 +4,7 @@ use super::walk::{Job, largest};
 use super::{Renderer, blank};
 use crate::image::Image;
 use crate::methods::abuffer::Shown;
-use crate::methods::edl::{self, Surface};
+use crate::methods::edl::{self, ShadedDepths};
 use crate::methods::lists::ListEngine;
 use crate::methods::{Buffers, Error, Frame, Timeline, engine_of};
 use crate::passes::bands::Budget;
@@ -75,7 +75,7 @@ impl Renderer {
         timeline: &mut Timeline,
     ) -> Result<(), Error> {
         let Image { rgba, depth, depth_median, .. } = image;
-        let surface = Surface { size: frame.size, depths: depth_median.as_deref().unwrap_or(depth) };
+        let surface = ShadedDepths { size: frame.size, depths: depth_median.as_deref().unwrap_or(depth) };
         self.whole = None;
         self.eye_dome.apply(&self.device, &frame.shading.edl, budget, surface, rgba, timeline)
     }
