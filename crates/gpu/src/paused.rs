@@ -24,7 +24,7 @@ impl Recorder<'_> {
     /// destroyed later.
     pub fn pause(mut self) -> Paused {
         if self.held.is_none() {
-            self.held = Some(Held::new(self.context()));
+            self.held = Some(DeletionHold::new(self.context()));
         }
         // SAFETY: the lifetime only says that what was recorded outlives the recording, which `held` sees to.
         Paused(unsafe { std::mem::transmute::<Recorder<'_>, Recorder<'static>>(self) })
@@ -32,16 +32,16 @@ impl Recorder<'_> {
 }
 
 /// While there is one, nothing is destroyed.
-pub struct Held(Arc<Context>);
+pub struct DeletionHold(Arc<Context>);
 
-impl Held {
+impl DeletionHold {
     fn new(context: &Arc<Context>) -> Self {
         lock(&context.deletions).recordings += 1;
         Self(context.clone())
     }
 }
 
-impl Drop for Held {
+impl Drop for DeletionHold {
     fn drop(&mut self) {
         let mut deletions = lock(&self.0.deletions);
         deletions.recordings -= 1;

@@ -27,7 +27,7 @@ use self::times::Queries;
 use super::agree::Agreement;
 use super::context::{Commands, lock};
 use super::guard::Guards;
-use super::paused::Held;
+use super::paused::DeletionHold;
 use super::pipeline::Pipeline;
 use super::{Context, Error, GpuType, Pass, RawSlice, Slice, Variant};
 
@@ -90,7 +90,7 @@ pub struct Recorder<'a> {
     stamped: bool,
     touched: Touched,
     /// There once the recording was interrupted.
-    pub(super) held: Option<Held>,
+    pub(super) held: Option<DeletionHold>,
     buffers: PhantomData<&'a ()>,
 }
 
