@@ -13,7 +13,7 @@ use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::Binned;
 use crate::passes::compose::Cut;
 use crate::passes::foresight::AnswerPlace;
-use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
+use crate::passes::project::{DeviceCloud, PointExtent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
 use crate::scene::MAX_LAYERS;
@@ -34,10 +34,10 @@ pub(crate) trait Engine: Explain {
 
     /// Returns how far beyond its place a point may show in a frame, for clouds whose points come to the device window
     /// by window.
-    fn extent(&self, frame: &Frame, cloud: &DeviceCloud) -> Extent {
-        let discs = Extent::discs(frame.factors.radius);
+    fn extent(&self, frame: &Frame, cloud: &DeviceCloud) -> PointExtent {
+        let discs = PointExtent::discs(frame.factors.radius);
         match frame.method.discs().filter(|_| cloud.has_gaussians()) {
-            Some(of) => discs.or(Extent::gaussians(&of.gaussians, &frame.camera, frame.size)),
+            Some(of) => discs.or(PointExtent::gaussians(&of.gaussians, &frame.camera, frame.size)),
             None => discs,
         }
     }

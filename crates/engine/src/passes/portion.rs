@@ -142,7 +142,7 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Projection};
-    use crate::passes::project::Extent;
+    use crate::passes::project::PointExtent;
     use crate::progress::Progress;
     use crate::supply::{Held, Keep, Supply};
 
@@ -163,7 +163,7 @@ mod tests {
         let projection = Projection::Orthographic { height: 1000.0 };
         let eye = DVec3::new(5_000.0, 500.0, 100.0);
         let camera = Camera::look_at(eye, eye - DVec3::Z, DVec3::Y, projection, 1.0, 200.0).unwrap();
-        Beam::new(&camera, [100, 100], [10, 20, 60, 80], Extent::discs(1.0))
+        Beam::new(&camera, [100, 100], [10, 20, 60, 80], PointExtent::discs(1.0))
     }
 
     #[test]

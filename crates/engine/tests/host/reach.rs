@@ -3,7 +3,7 @@
 use glam::DVec3;
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
-use pellucid_engine::passes::project::{Beam, Extent};
+use pellucid_engine::passes::project::{Beam, PointExtent};
 use pellucid_reference::gaussians::{footprint, gaussian};
 use pellucid_scene::supply::Block;
 use pellucid_scene::{GaussianSettings, Kernel, Order};
@@ -25,7 +25,7 @@ fn every_gaussian_with_a_fragment_in_a_window_is_taken() {
             GaussianSettings { alpha_min: 1e-5, dilation: 4.0, ..GaussianSettings::default() },
             GaussianSettings { kernel: Kernel::Ray, alpha_min: 1e-3, ..GaussianSettings::default() },
         ] {
-            let extent = Extent::gaussians(&settings, &camera, size);
+            let extent = PointExtent::gaussians(&settings, &camera, size);
             for window in [[0, 0, 8, 8], [36, 20, 44, 28], [70, 40, 80, 48]] {
                 let beam = Beam::new(&camera, size, window, extent);
                 for (i, position) in points.positions.iter().enumerate() {

@@ -7,7 +7,7 @@ use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::points;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, Extent, Projecting};
+use crate::passes::project::{DeviceCloud, PointExtent, Projecting};
 use crate::passes::raster::Walker;
 use crate::scene::ImageSpace;
 
@@ -28,8 +28,8 @@ impl Engine for ImageSpaceEngine {
         self.filtering().windows(frame, budget)
     }
 
-    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> Extent {
-        Extent::pixels(self.filtering().halo().into())
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
+        PointExtent::pixels(self.filtering().halo().into())
     }
 
     fn projects(&self) -> bool {

@@ -7,7 +7,7 @@ use crate::methods::explain::{Absent, COUNTERS, Explain, FramePlan, NOTHING, Pas
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{CloudPart, DeviceCloud, Extent, Footprint};
+use crate::passes::project::{CloudPart, DeviceCloud, Footprint, PointExtent};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{Relief, ScreenSplats};
 
@@ -26,8 +26,8 @@ impl Engine for NearestEngine {
         Ok(windows_of(frame, budget, PIXEL_BYTES))
     }
 
-    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> Extent {
-        Extent::squares(frame.factors.radius * self.splats.size)
+    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
+        PointExtent::squares(frame.factors.radius * self.splats.size)
     }
 
     fn render(

@@ -7,7 +7,7 @@ use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::image_space::{self, Filtering};
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, Extent};
+use crate::passes::project::{DeviceCloud, PointExtent};
 use crate::scene::PeelLayers;
 
 /// Layers of filtered images of points, blended.
@@ -31,8 +31,8 @@ impl Engine for PeelLayersEngine {
         true
     }
 
-    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> Extent {
-        Extent::pixels(self.filtering().halo().into())
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
+        PointExtent::pixels(self.filtering().halo().into())
     }
 
     fn projects(&self) -> bool {

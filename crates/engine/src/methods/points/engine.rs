@@ -6,7 +6,7 @@ use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::{Buffers, Error, Frame, Outcome, opaque};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, Extent};
+use crate::passes::project::{DeviceCloud, PointExtent};
 use crate::passes::raster::Walker;
 
 /// 1-pixel points.
@@ -17,8 +17,8 @@ impl Engine for PointsEngine {
         Ok(windows_of(frame, budget, opaque::PIXEL_BYTES))
     }
 
-    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> Extent {
-        Extent::pixels(0.0)
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
+        PointExtent::pixels(0.0)
     }
 
     fn projects(&self) -> bool {

@@ -8,7 +8,7 @@ use crate::methods::explain::{Absent, EACH_PIXEL, Explain, FramePlan, NOTHING, P
 use crate::methods::{Buffers, Error, Facts, Frame, Layer, Outcome, Resources, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
-use crate::passes::project::{CloudPart, DeviceCloud, Extent, Footprint, Projecting, Stats};
+use crate::passes::project::{CloudPart, DeviceCloud, Footprint, PointExtent, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{BlendedSplats, ScreenSplats};
 
@@ -29,8 +29,8 @@ impl Engine for SplatsEngine {
         Ok(windows_of(frame, budget, bin::PIXEL_BYTES + PIXEL_BYTES))
     }
 
-    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> Extent {
-        Extent::squares(frame.factors.radius * self.settings.splats.size)
+    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
+        PointExtent::squares(frame.factors.radius * self.settings.splats.size)
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {

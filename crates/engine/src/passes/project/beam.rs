@@ -12,7 +12,7 @@ use crate::supply::Block;
 
 /// Reach of a point beyond its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extent {
+pub struct PointExtent {
     /// Radius in the frame over that of the cloud.
     pub radius: f64,
     /// Pixels of the image to each side.
@@ -27,7 +27,7 @@ const ROUNDING: f64 = 1e-6;
 /// Slopes of a Gaussian's center are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
 const SLOPE: f64 = 1.3;
 
-impl Extent {
+impl PointExtent {
     /// Discs of the cloud's radii times a factor.
     pub fn discs(factor: f32) -> Self {
         Self { radius: factor.into(), pixels: ONE }
@@ -102,7 +102,7 @@ pub struct Beam {
 
 impl Beam {
     /// Returns what a window of an image of this size shows of points with this extent.
-    pub fn new(camera: &Camera, size: [u32; 2], window: Window, extent: Extent) -> Self {
+    pub fn new(camera: &Camera, size: [u32; 2], window: Window, extent: PointExtent) -> Self {
         let Camera { eye, right, up, forward, near, far, .. } = *camera;
         let focal = camera.focal_px(size[1]);
         let middle = size.map(|side| 0.5 * f64::from(side));
@@ -174,7 +174,7 @@ mod tests {
         for projection in [Projection::Perspective { fov_y: 0.8 }, Projection::Orthographic { height: 5.0 }] {
             let (camera, size) = (camera(projection), [64, 48]);
             let window = [10, 20, 30, 25];
-            let beam = Beam::new(&camera, size, window, Extent::discs(1.0));
+            let beam = Beam::new(&camera, size, window, PointExtent::discs(1.0));
             let (mut picked, mut showing) = (0, 0);
             for _ in 0..20_000 {
                 let place = |random: &mut Pcg64Mcg| DVec3::from([(); 3].map(|()| random.random_range(-4.0..4.0)));

@@ -6,7 +6,7 @@ mod footprint;
 mod part;
 mod shade;
 
-pub use beam::{Beam, Extent};
+pub use beam::{Beam, PointExtent};
 pub use cloud::{COLUMN_BYTES, Column, CutFor, DeviceCloud, GaussianColumns, LightImages, Placed, Present, View};
 pub use footprint::{DISCS, Footprint, TILED};
 pub use part::{CloudPart, Parts};

@@ -113,7 +113,7 @@ mod tests {
     use glam::{DVec3, Vec3};
     use pellucid_core::camera::{Camera, Projection};
     use pellucid_engine::passes::portion::Runs;
-    use pellucid_engine::passes::project::Extent;
+    use pellucid_engine::passes::project::PointExtent;
 
     use super::*;
 
@@ -154,7 +154,7 @@ mod tests {
         portion.add(Runs::of(&all, &Runs::starts(&all), None));
         let projection = Projection::Orthographic { height: 4.0 };
         let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, projection, 0.1, 10.0).expect("a camera");
-        let beam = Beam::new(&camera, [100, 100], [50, 0, 75, 100], Extent::discs(1.0));
+        let beam = Beam::new(&camera, [100, 100], [50, 0, 75, 100], PointExtent::discs(1.0));
         for piece in [1, 100_000, 1 << 30] {
             let (mut parts, mut pieces) = (Vec::new(), 0);
             in_pieces(&portion, &beam, piece, |bytes| {

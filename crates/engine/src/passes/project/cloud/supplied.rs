@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::iter::ParallelIterator;
 
-use super::super::{Beam, Bounds, Extent, Footprint, Splat, Tilt};
+use super::super::{Beam, Bounds, Footprint, PointExtent, Splat, Tilt};
 use super::{COLUMN_BYTES, Column, DeviceCloud, GaussianColumns, empty, upload_ids};
 use crate::camera::Camera;
 use crate::gpu::{Device, Error, Memory};
@@ -110,7 +110,7 @@ impl DeviceCloud {
         self.light_images = None;
         let Some(wanted) = wanted else { return Ok(()) };
         let CutFor { limits, camera, size, seed } = *wanted;
-        let beam = Beam::new(&camera, size, [0, 0, size[0], size[1]], Extent::pixels(0.0));
+        let beam = Beam::new(&camera, size, [0, 0, size[0], size[1]], PointExtent::pixels(0.0));
         let behind = camera.near - camera.near.abs().max(camera.far - camera.near);
         let picture = Picture {
             scale: Scale::new(&camera, size[1]),
