@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::abuffer::{
-    self, InOrder, Lists, PIXEL_BYTES, RUN_PIXEL_BYTES, Shown, Slots, StoreFragments, WindowJob, list_bytes,
+    self, InOrder, Lists, ListsJob, PIXEL_BYTES, RUN_PIXEL_BYTES, Shown, Slots, StoreFragments, list_bytes,
 };
 use super::ellipsoids::Ellipsoids;
 use super::linked_list::LinkedLists;
@@ -105,7 +105,7 @@ impl ListEngine {
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = compose::stop(Stop::Exact, frame.color, 1.0);
-        let job = WindowJob {
+        let job = ListsJob {
             raster,
             discs: self.discs,
             storing: self.storing(cloud),
@@ -150,7 +150,7 @@ impl Engine for ListEngine {
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = compose::stop(frame.stop, frame.color, cloud.max_color(&how));
         let (storing, shown) = (self.storing(cloud), self.shown);
-        let mut job = WindowJob { raster, discs: self.discs, storing, stop, shown, budget, samples: None };
+        let mut job = ListsJob { raster, discs: self.discs, storing, stop, shown, budget, samples: None };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.key_range(), budget, counted_bytes };
         let (mut ordered, in_order) = (0, OnceCell::new());

@@ -2,7 +2,7 @@
 
 use super::samples::{COLOR_BYTES, MOST_SAMPLES, SAMPLE_BYTES};
 use super::{
-    ABuffer, Counted, FRAGMENT_BYTES, LINK_BYTES, PIXEL_BYTES, RECORD_BYTES, SEGMENT_BYTES, WindowJob, in_place_length,
+    ABuffer, Counted, FRAGMENT_BYTES, LINK_BYTES, ListsJob, PIXEL_BYTES, RECORD_BYTES, SEGMENT_BYTES, in_place_length,
 };
 use crate::gpu::{self, Device};
 use crate::methods::Error;
@@ -12,7 +12,7 @@ use crate::scene::LongLists;
 
 impl ABuffer {
     /// Fragments that fit at a time: within the budget, and within a binding.
-    fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
+    fn capacity(device: &Device, job: &ListsJob<'_>, counted: &Counted) -> u64 {
         let pixel_bytes = PIXEL_BYTES + job.storing.pixel_bytes() + job.run_bytes();
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::for_window(job, counted);
@@ -29,7 +29,7 @@ impl ABuffer {
     pub(super) fn plan_bands(
         &self,
         work: &Work<'_>,
-        job: &WindowJob<'_>,
+        job: &ListsJob<'_>,
         counted: &Counted,
     ) -> Result<Vec<Band>, Error> {
         let (device, window) = (work.device, job.raster.window);
@@ -62,7 +62,7 @@ impl ABuffer {
     pub(super) fn reserve_fragments(
         &mut self,
         device: &Device,
-        job: &WindowJob<'_>,
+        job: &ListsJob<'_>,
         bands: &[Band],
         counted: &Counted,
     ) -> Result<(), Error> {
@@ -127,7 +127,7 @@ pub(super) struct Need {
 }
 
 impl Need {
-    pub(super) fn for_window(job: &WindowJob<'_>, counted: &Counted) -> Self {
+    pub(super) fn for_window(job: &ListsJob<'_>, counted: &Counted) -> Self {
         let needs = job.storing.needs();
         let (links, records) = (needs.links, needs.records);
         let runs = !needs.in_order && counted.lengths.in_long_lists > 0;

@@ -2,7 +2,7 @@
 
 use super::capacity::Need;
 use super::passes::{Lengths, Measure};
-use super::{ABuffer, Bodies, Counting, LOCAL_LENGTH, WindowJob};
+use super::{ABuffer, Bodies, Counting, LOCAL_LENGTH, ListsJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
 use crate::methods::{Error, Facts, Timeline};
 use crate::passes::bands::{self, Band};
@@ -40,7 +40,7 @@ impl Counted {
     }
 
     /// Returns a closure that adds the counts themselves to those of the frame.
-    pub(super) fn noting(&self, job: &WindowJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
+    pub(super) fn noting(&self, job: &ListsJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
         let (place, bodies_of, need) = (self.place, job.storing.bodies(), Need::for_window(job, self));
         move |facts, timeline| {
             let found = Self::new(timeline.found(place), place, bodies_of);
@@ -66,7 +66,7 @@ impl ABuffer {
     pub(super) fn count(
         &mut self,
         device: &Device,
-        job: &WindowJob<'_>,
+        job: &ListsJob<'_>,
         told: bool,
         timeline: &mut Timeline,
     ) -> Result<Counted, Error> {

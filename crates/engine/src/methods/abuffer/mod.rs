@@ -104,7 +104,7 @@ pub enum Shown {
 
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
+pub struct ListsJob<'a> {
     /// The projected cloud and who visits its pixels.
     pub raster: Raster<'a>,
     /// Shape, falloff, and how long lists are sorted.
@@ -132,7 +132,7 @@ pub struct Lists {
 
 impl ABuffer {
     /// Counts, then stores, sorts and blends band by band into the target.
-    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &ListsJob<'_>) -> Result<Outcome, Error> {
         let (device, target) = (work.device, work.target);
         let counted = self.count(device, job, work.frame.fragments, work.timeline)?;
         if counted.overflow {
@@ -169,7 +169,7 @@ impl ABuffer {
     }
 
     /// Counts and plans the bands; stores nothing.
-    pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+    pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &ListsJob<'_>) -> Result<Outcome, Error> {
         let counted = self.count(work.device, job, false, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
@@ -182,7 +182,7 @@ impl ABuffer {
     /// Counts the lists of a window for a method that renders without them.
     pub(crate) fn tally(&mut self, work: &mut Work<'_>, raster: Raster<'_>) -> Result<Outcome, Error> {
         let (discs, storing, budget) = (Discs::default(), &Slots, work.budget);
-        let job = &WindowJob { raster, discs, storing, stop: (0, 1.0), shown: Shown::First, budget, samples: None };
+        let job = &ListsJob { raster, discs, storing, stop: (0, 1.0), shown: Shown::First, budget, samples: None };
         let counted = self.count(work.device, job, true, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
@@ -206,7 +206,7 @@ impl ABuffer {
     }
 
     /// Count, scan and store of a window that fits as one band, without sorting or blending.
-    pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Lists, Error> {
+    pub fn lists(&mut self, device: &Device, job: &ListsJob<'_>, timeline: &mut Timeline) -> Result<Lists, Error> {
         let counted = self.count(device, job, false, timeline)?;
         let pixels = bands::pixels(job.raster.window);
         let band = Band::whole(job.raster.window, u64::from(counted.total));
@@ -224,7 +224,7 @@ impl ABuffer {
     fn record_store<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &ListsJob<'a>,
         band: &Band,
         counted: &Counted,
     ) -> Result<(), Error> {

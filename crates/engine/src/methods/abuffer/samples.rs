@@ -2,7 +2,7 @@
 
 use super::blend::Stored;
 use super::capacity::Need;
-use super::{ABuffer, Blending, RUN_PIXEL_BYTES, Sampled, WindowJob};
+use super::{ABuffer, Blending, ListsJob, RUN_PIXEL_BYTES, Sampled};
 use crate::fields;
 use crate::gpu::{Device, Memory, Scratch};
 use crate::methods::Error;
@@ -65,7 +65,7 @@ impl Buffers {
     }
 }
 
-impl WindowJob<'_> {
+impl ListsJob<'_> {
     /// Returns the number of device bytes of a pixel for the runs of its list, where every list has some.
     pub(super) fn run_bytes(&self) -> u64 {
         if self.samples.is_some() && !self.storing.needs().every_run { RUN_PIXEL_BYTES } else { 0 }
@@ -79,7 +79,7 @@ impl ABuffer {
     pub(crate) fn samples(
         &mut self,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        job: &ListsJob<'_>,
         how: Sampling,
         take: &mut dyn FnMut(&Taken<'_>) -> Result<(), Error>,
     ) -> Result<Option<u64>, Error> {

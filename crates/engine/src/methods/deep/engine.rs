@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 
 use super::lists::{self, Wanted};
 use super::{DeepSource, Sink};
-use crate::methods::abuffer::{self, Sampling, Shown, Slots, StoreFragments, Taken, WindowJob};
+use crate::methods::abuffer::{self, ListsJob, Sampling, Shown, Slots, StoreFragments, Taken};
 use crate::methods::ellipsoids::Ellipsoids;
 use crate::methods::engine::{Engine, Work, windows_of};
 use crate::methods::explain::{Explain, FramePlan};
@@ -61,7 +61,7 @@ impl DeepEngine<'_> {
         // Of an event a surface, and what lies behind it.
         let each = if storing.needs().every_run && !bodies { 2 } else { 1 };
         let ends = compose::stop(Stop::Exact, frame.color, 1.0);
-        let job = WindowJob { raster, discs, storing, stop: ends, shown: Shown::First, budget, samples: Some(each) };
+        let job = ListsJob { raster, discs, storing, stop: ends, shown: Shown::First, budget, samples: Some(each) };
         let wanted = Wanted { state: self.state, layers, stop };
         let most = lists.samples(work, &job, Sampling { bodies }, &mut |taken| self.take(taken, None, wanted))?;
         if most.is_some() {

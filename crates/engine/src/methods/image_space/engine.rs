@@ -1,6 +1,6 @@
 //! The engine of `image-space`, and the parts that `peel-layers` shares with it.
 
-use super::{Filter, Filterer, WindowJob, halo, least_bytes, windows};
+use super::{Filter, FilterJob, Filterer, halo, least_bytes, windows};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Engine, Work};
 use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
@@ -86,14 +86,14 @@ impl Filtering {
     }
 
     /// Sets the view to a window with all around it that its filters reach.
-    pub fn job<'a>(&self, cloud: &'a mut DeviceCloud, work: &Work<'_>, how: &'a Projecting) -> WindowJob<'a> {
+    pub fn job<'a>(&self, cloud: &'a mut DeviceCloud, work: &Work<'_>, how: &'a Projecting) -> FilterJob<'a> {
         let (frame, window, filters) = (work.frame, work.window, self.filters);
         let outer = windows::grown(window, self.halo(), frame.size);
         cloud.set_view(&frame.camera, frame.size, outer, how);
         let distance = filters.min_layer_distance.unwrap_or((0.01 * cloud.diagonal()) as f32);
         let [_, far] = frame.depth_range();
         let (wide, transparent) = (work.switches.wide_atomics, self.layers.is_some());
-        WindowJob { cloud, window, outer, how, filters, distance, far, wide, transparent }
+        FilterJob { cloud, window, outer, how, filters, distance, far, wide, transparent }
     }
 
     /// The plan of a frame.

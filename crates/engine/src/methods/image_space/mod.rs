@@ -76,7 +76,7 @@ fn frame_windows(size: [u32; 2], filtering: &Filtering, budget: Budget) -> Resul
 
 /// Input and settings of a window.
 #[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
+pub struct FilterJob<'a> {
     /// The cloud, whose view is set to `outer`.
     pub cloud: &'a DeviceCloud,
     /// Result that is delivered.
@@ -97,7 +97,7 @@ pub struct WindowJob<'a> {
     pub transparent: bool,
 }
 
-impl WindowJob<'_> {
+impl FilterJob<'_> {
     pub(super) fn tiles(&self) -> [u32; 2] {
         windows::tiles(self.outer)
     }
@@ -182,7 +182,7 @@ impl FamilyBuffers for Filterer {
 
 impl Filterer {
     /// Renders a window of one opaque image, which a survey does not bring to the target.
-    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &FilterJob<'_>) -> Result<(), Error> {
         let device = work.device;
         self.reserve(device, job)?;
         let mut recorder = work.timeline.recorder(device)?;
@@ -207,7 +207,7 @@ impl Filterer {
         Ok(())
     }
 
-    pub(super) fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+    pub(super) fn reserve(&mut self, device: &Device, job: &FilterJob<'_>) -> Result<(), Error> {
         let tiles = job.tile_count();
         self.nearest.reserve(device, bands::pixels(job.outer))?;
         self.tiles.reserve(device, tiles)?;
@@ -219,25 +219,25 @@ impl Filterer {
     }
 
     /// Pixels of both sides of all tiles.
-    fn places(job: &WindowJob<'_>) -> u64 {
+    fn places(job: &FilterJob<'_>) -> u64 {
         2 * AREA * job.tile_count()
     }
 
-    pub(super) fn depths(&self, job: &WindowJob<'_>) -> Slice<'_, f32> {
+    pub(super) fn depths(&self, job: &FilterJob<'_>) -> Slice<'_, f32> {
         self.depths.get().slice(0, Self::places(job) + 1)
     }
 
-    pub(super) fn colors(&self, job: &WindowJob<'_>) -> Slice<'_, [f32; 4]> {
+    pub(super) fn colors(&self, job: &FilterJob<'_>) -> Slice<'_, [f32; 4]> {
         self.colors.get().slice(0, Self::places(job) + 1)
     }
 
     /// Returns the nearest points of the pixels that are rendered.
-    pub(super) fn nearest(&self, job: &WindowJob<'_>) -> Slice<'_, NearestSplat> {
+    pub(super) fn nearest(&self, job: &FilterJob<'_>) -> Slice<'_, NearestSplat> {
         self.nearest.get().slice(0, bands::pixels(job.outer))
     }
 
     /// Records that the image is empty, and the pixel that stands for everything outside of it.
-    pub(super) fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+    pub(super) fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &FilterJob<'a>) -> Result<(), Error> {
         job.cloud.record_clear(recorder)?;
         recorder.fill(CLEAR, self.nearest(job), u32::MAX)?;
         recorder.fill(CLEAR, self.totals.all(), 0)?;
@@ -255,7 +255,7 @@ impl Filterer {
     }
 
     /// Adds what the filters of a window had, of whose image there were so many layers.
-    pub(super) fn note(&self, job: &WindowJob<'_>, layers: u32, facts: &mut Facts) {
+    pub(super) fn note(&self, job: &FilterJob<'_>, layers: u32, facts: &mut Facts) {
         facts.image_tiles += job.tile_count() * u64::from(layers);
         for (sum, listed) in facts.filtered_tiles.iter_mut().zip(self.totals_host.mapped_slice()) {
             *sum += u64::from(*listed);
@@ -267,7 +267,7 @@ impl Filterer {
     pub(super) fn record_points<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &FilterJob<'a>,
         (limits, emptied): (Option<Slice<'a, u32>>, Option<Emptied<'a>>),
     ) -> Result<(), Error> {
         let choice = Choice { cull: job.filters.cull, limits, dispatches: emptied.map(|e| e.nearest) };
@@ -278,7 +278,7 @@ impl Filterer {
         Ok(recorder.run(&measure, Self::resolve_push(job), &Run::new(dispatch))?)
     }
 
-    fn resolve_push(job: &WindowJob<'_>) -> ResolvePush {
+    fn resolve_push(job: &FilterJob<'_>) -> ResolvePush {
         let [width, height] = job.outer_size();
         ResolvePush { columns: job.tiles()[0], width, height }
     }
@@ -287,7 +287,7 @@ impl Filterer {
     fn record_resolve<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &FilterJob<'a>,
         cut: Cut,
         emptied: Option<Emptied<'a>>,
     ) -> Result<(), Error> {
@@ -315,7 +315,7 @@ impl Filterer {
     }
 
     /// Returns the tiles of a filtered image that are not background alone.
-    pub(super) fn deliver_dispatch(&self, job: &WindowJob<'_>) -> Dispatch<'_> {
+    pub(super) fn deliver_dispatch(&self, job: &FilterJob<'_>) -> Dispatch<'_> {
         self.listed_dispatch(job.deliver_slot())
     }
 
@@ -323,7 +323,7 @@ impl Filterer {
     pub(super) fn record_image<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &FilterJob<'a>,
         cut: Cut,
         emptied: Option<Emptied<'a>>,
     ) -> Result<(), Error> {
@@ -344,7 +344,7 @@ impl Filterer {
     fn record_list<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &FilterJob<'a>,
         listed: Listed,
         (slot, before): (u32, u32),
         emptied: Option<Emptied<'a>>,
@@ -365,7 +365,7 @@ impl Filterer {
     fn record_filter<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &FilterJob<'a>,
         filter: Filter,
         run: u32,
     ) -> Result<(), Error> {

@@ -1,6 +1,6 @@
 //! The engine of `peel`.
 
-use super::{Peeler, WindowJob, pixel_bytes};
+use super::{PeelJob, Peeler, pixel_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Fragments, Work, windows_of};
 use crate::methods::explain::{Absent, Explain, FramePlan, NOTHING, PassGroup};
@@ -42,7 +42,7 @@ impl Engine for PeelEngine {
         }
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let (counted, switches) = (work.frame.fragments, work.switches);
-        let job = WindowJob { raster, peel, counted, wide: switches.wide_atomics, limit: switches.max_layers };
+        let job = PeelJob { raster, peel, counted, wide: switches.wide_atomics, limit: switches.max_layers };
         let peeler = resources.own.of::<Peeler>(work.device)?;
         if work.survey {
             peeler.survey(work, &job)?;

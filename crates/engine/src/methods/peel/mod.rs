@@ -99,7 +99,7 @@ fn blend_variant(cut: Cut, footprint: Footprint, falloff: Falloff, counted: bool
 
 /// Everything that stays the same while a window is peeled.
 #[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
+pub struct PeelJob<'a> {
     /// The projected cloud and who visits its pixels.
     pub raster: Raster<'a>,
     /// Discs and layers.
@@ -112,7 +112,7 @@ pub struct WindowJob<'a> {
     pub limit: u32,
 }
 
-impl WindowJob<'_> {
+impl PeelJob<'_> {
     /// Layers to record at most: one more than the limit shows whether there are more.
     fn most(&self) -> u64 {
         if self.peel.layers == 0 { u64::from(self.limit) + 1 } else { u64::from(self.peel.layers) }
@@ -145,7 +145,7 @@ impl FamilyBuffers for Peeler {
 
 impl Peeler {
     /// Peels a window into the target.
-    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &PeelJob<'_>) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
         let pixels = bands::pixels(job.raster.window);
         self.reserve(device, job)?;
@@ -167,7 +167,7 @@ impl Peeler {
     }
 
     /// Only counts, if that is asked for.
-    pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+    pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &PeelJob<'_>) -> Result<(), Error> {
         let device = work.device;
         self.reserve(device, job)?;
         let mut recorder = work.timeline.recorder(device)?;
@@ -183,7 +183,7 @@ impl Peeler {
         Ok([counts, self.told_layers.read(self.layers.get(), pixels)?])
     }
 
-    fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+    fn reserve(&mut self, device: &Device, job: &PeelJob<'_>) -> Result<(), Error> {
         let pixels = bands::pixels(job.raster.window);
         let counted = if job.counted { pixels } else { 1 };
         self.nearest.reserve(device, pixels)?;
@@ -196,7 +196,7 @@ impl Peeler {
     }
 
     /// Records the tiles that every visit of the window needs, and the fragments of each pixel if they are counted.
-    fn record_count<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+    fn record_count<'a>(&'a self, recorder: &mut Recorder<'a>, job: &PeelJob<'a>) -> Result<(), Error> {
         job.raster.record_tiles(recorder)?;
         if job.counted {
             let counts = self.counts.get().slice(0, bands::pixels(job.raster.window));
@@ -208,7 +208,7 @@ impl Peeler {
         Ok(())
     }
 
-    fn note_counts(&self, job: &WindowJob<'_>, facts: &mut Facts) -> Result<(), Error> {
+    fn note_counts(&self, job: &PeelJob<'_>, facts: &mut Facts) -> Result<(), Error> {
         if job.counted {
             let lengths = self.told_counts.read(self.counts.get(), bands::pixels(job.raster.window))?;
             facts.fragments += lengths.iter().map(|n| u64::from(*n)).sum::<u64>();
@@ -233,7 +233,7 @@ impl Peeler {
     }
 
     /// Batch after batch until nothing is left or enough was peeled; the number of layers.
-    fn peel(&self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<u32, Error> {
+    fn peel(&self, work: &mut Work<'_>, job: &PeelJob<'_>) -> Result<u32, Error> {
         let (device, target, arguments) = (work.device, work.target, self.arguments.get().all());
         let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
         let most = job.most();
@@ -267,12 +267,12 @@ impl Peeler {
     fn record_layer<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &PeelJob<'a>,
         cut: Cut,
         arguments: Slice<'a, u32>,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let WindowJob { raster, .. } = job;
+        let PeelJob { raster, .. } = job;
         let (nearest, last, work) = (self.nearest.get().all(), self.last.get().all(), self.work.all());
         let all = (&Band::whole(raster.window, 0), SEGMENT);
         let (visits, same) = (Some(arguments.skip(4)), |variant| variant);

@@ -10,7 +10,7 @@ mod engine;
 pub(crate) use engine::{PeelLayersEngine, pass_group};
 
 use super::engine::Work;
-use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
+use super::image_space::{DeliverPush, Emptied, FilterJob, Filterer};
 use super::own::FamilyBuffers;
 use super::peel::{Next, PeelWork};
 use super::told::Told;
@@ -67,7 +67,7 @@ fn blend_variant(counted: bool) -> Variant {
 #[derive(Clone, Copy)]
 pub struct LayersJob<'a> {
     /// Input and settings of each layer.
-    pub image: WindowJob<'a>,
+    pub image: FilterJob<'a>,
     /// Layers at most.
     pub layers: u32,
     /// `true` if layers are counted per pixel.
@@ -147,7 +147,7 @@ impl LayerPeeler {
         Ok(())
     }
 
-    fn arguments(recorder: &Recorder<'_>, job: &WindowJob<'_>) -> Result<Vec<[u32; 4]>, Error> {
+    fn arguments(recorder: &Recorder<'_>, job: &FilterJob<'_>) -> Result<Vec<[u32; 4]>, Error> {
         let of = |name, dispatch| recorder.arguments(name, dispatch);
         let mut words = Vec::new();
         for (_, count) in job.cloud.chunks() {

@@ -47,7 +47,7 @@ impl SpheresEngine {
         Buffers { tiles, resources }: &mut Buffers,
         work: &mut Work<'_>,
         parts: Parts,
-        go_on: impl FnOnce(&mut ABuffer, &mut Work<'_>, &abuffer::WindowJob<'_>, Option<&Layer>) -> Result<T, Error>,
+        go_on: impl FnOnce(&mut ABuffer, &mut Work<'_>, &abuffer::ListsJob<'_>, Option<&Layer>) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         let (frame, window, interior) = (work.frame, work.window, self.interior);
         let model = SoftModel::new(&frame.method, &self.soft, parts.median_radius * frame.factors.radius);
@@ -68,7 +68,7 @@ impl SpheresEngine {
         spheres.check(&frame.method, cloud.len())?;
         let stop = compose::stop(frame.stop, frame.color, cloud.max_color(&how));
         let (discs, shown) = (Discs::default(), abuffer::Shown::First);
-        let job = abuffer::WindowJob { raster, discs, storing: &spheres, stop, shown, budget, samples: None };
+        let job = abuffer::ListsJob { raster, discs, storing: &spheres, stop, shown, budget, samples: None };
         let found = go_on(&mut resources.lists, work, &job, layer)?;
         resources.soft_counted = true;
         let seen = stats.found;
@@ -105,7 +105,7 @@ impl SpheresEngine {
             return Ok(Some(most_solid));
         }
         let found = self.soft_points(cloud, buffers, work, parts, |lists, work, job, layer| {
-            let job = abuffer::WindowJob { samples: Some(1), ..*job };
+            let job = abuffer::ListsJob { samples: Some(1), ..*job };
             lists.samples(work, &job, Sampling { bodies: false }, &mut |taken| {
                 let [start, end] = taken.pixels.map(u64::from);
                 let solids = layer.map(|layer| Solids::read(layer, [start, end - start], origin, parts)).transpose()?;
@@ -159,7 +159,7 @@ impl Engine for SpheresEngine {
             0 => only_solids(cloud, &buffers.resources.layer, work),
             _ => {
                 let render =
-                    |lists: &mut ABuffer, work: &mut Work<'_>, job: &abuffer::WindowJob<'_>, _: Option<&Layer>| {
+                    |lists: &mut ABuffer, work: &mut Work<'_>, job: &abuffer::ListsJob<'_>, _: Option<&Layer>| {
                         if work.survey { lists.survey(work, job) } else { lists.render(work, job) }
                     };
                 let found = self.soft_points(cloud, buffers, work, parts, render)?;
@@ -213,7 +213,7 @@ impl ExpressEngine {
         let outcome = if work.survey {
             work.facts.note_survey(Bins::survey(device, &bin)?)
         } else {
-            let job = express::WindowJob {
+            let job = express::SoftDiscsJob {
                 bin,
                 model: SoftModel::new(&frame.method, soft, parts.median_radius * frame.factors.radius),
                 modulated: soft.modulation.is_some(),

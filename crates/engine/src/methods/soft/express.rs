@@ -41,7 +41,7 @@ pub const COUNT_BYTES: u64 = 4;
 
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
+pub struct SoftDiscsJob<'a> {
     /// The splats to bin: the soft points, along an axis ([`bin::Order::Along`]).
     pub bin: bin::Job<'a>,
     /// λ, the opacity in the middle of a disc.
@@ -69,7 +69,7 @@ impl SoftDiscs {
         &mut self,
         bins: &mut Bins,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        job: &SoftDiscsJob<'_>,
     ) -> Result<Outcome, Error> {
         let (device, frame, target) = (work.device, work.frame, work.target);
         // Then nothing is left out.
@@ -125,7 +125,7 @@ impl SoftDiscs {
         bins: &'a Bins,
         recorder: &mut Recorder<'a>,
         frame: &Frame,
-        job: &WindowJob<'a>,
+        job: &SoftDiscsJob<'a>,
         binned: Binned,
         target: &'a Target,
     ) -> Result<(), Error> {

@@ -1,7 +1,7 @@
 //! The engine of `spbr` and `spbr-simplified`.
 
 use super::share::Share;
-use super::{Ensembles, Form, Scale, WindowJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
+use super::{Ensembles, Form, Scale, SpbrJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
 use crate::camera::Projection;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
@@ -75,7 +75,7 @@ impl Engine for EnsembleEngine {
             cloud.reach(shares.iter().map(|s| slots(s, drawn.end)), work.progress)?;
             cloud.set_view(&frame.camera, frame.size, window, &how);
         }
-        let job = WindowJob {
+        let job = SpbrJob {
             cloud,
             window,
             how: &how,

@@ -4,7 +4,7 @@ use std::iter::Peekable;
 use std::ops::Range;
 
 use super::RUN;
-use super::job::{Scale, WindowJob};
+use super::job::{Scale, SpbrJob};
 use super::key;
 use super::passes::*;
 use super::rounds::Piece;
@@ -55,7 +55,7 @@ fields! {
 
 impl Ensembles {
     /// Renders a window into the target, or keeps its sums.
-    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Drawn, Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &SpbrJob<'_>) -> Result<Drawn, Error> {
         let device = work.device;
         self.reserve(device, job)?;
         let mut tasks = Tasks::new(job).peekable();
@@ -150,7 +150,7 @@ impl Ensembles {
 
     /// Returns the dispatches of the next submission: so few that it takes no seconds and that all of their points fit,
     /// which are packed.
-    fn next_submission(&mut self, job: &WindowJob<'_>, tasks: &mut Peekable<Tasks<'_>>) -> Result<Vec<Task>, Error> {
+    fn next_submission(&mut self, job: &SpbrJob<'_>, tasks: &mut Peekable<Tasks<'_>>) -> Result<Vec<Task>, Error> {
         let (mut found, mut slots, mut passes) = (Vec::new(), 0, 0);
         let streamed = job.streamed.is_some();
         if let Some(first) = tasks.peek()
@@ -179,7 +179,7 @@ impl Ensembles {
         Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
     }
 
-    fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+    fn reserve(&mut self, device: &Device, job: &SpbrJob<'_>) -> Result<(), Error> {
         self.stream.reserve(device, job.cloud, job.streamed)?;
         let pixels = job.pixels();
         let planes = if job.is_inline() { 1 } else { pixels * job.planes() };
@@ -200,7 +200,7 @@ impl Ensembles {
         Ok(self.spread.reserve(device, if spread { pixels } else { 1 })?)
     }
 
-    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &SpbrJob<'a>) -> Result<(), Error> {
         recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
         recorder.fill("spbr/clear", self.pixels.get().all(), 0)?;
         recorder.fill("spbr/clear", self.squares.get().all(), 0)?;
@@ -209,7 +209,7 @@ impl Ensembles {
     }
 
     /// Records that planes are empty again.
-    fn record_renew<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+    fn record_renew<'a>(&'a self, recorder: &mut Recorder<'a>, job: &SpbrJob<'a>) -> Result<(), Error> {
         if !job.is_inline() {
             recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
             return Ok(());
@@ -224,7 +224,7 @@ impl Ensembles {
         &'a self,
         device: &Device,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &SpbrJob<'a>,
         task: &Task,
     ) -> Result<(), Error> {
         if task.renews {
@@ -254,7 +254,7 @@ impl Ensembles {
         &'a self,
         device: &Device,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &SpbrJob<'a>,
         task: &Task,
         run: (Run<'a>, Variant),
     ) -> Result<(), Error> {
@@ -288,7 +288,7 @@ impl Ensembles {
         Ok(())
     }
 
-    fn slots<'a>(&'a self, job: &WindowJob<'a>, piece: &Piece) -> Slots<'a> {
+    fn slots<'a>(&'a self, job: &SpbrJob<'a>, piece: &Piece) -> Slots<'a> {
         let (cloud, bound) = (job.cloud, &piece.bound);
         Slots {
             camera: cloud.view(),
@@ -309,7 +309,7 @@ impl Ensembles {
     }
 
     /// A column of some points, from where they are.
-    fn column<'a>(&'a self, job: &WindowJob<'a>, column: Column, points: &Range<u64>) -> Slice<'a, [f32; 4]> {
+    fn column<'a>(&'a self, job: &SpbrJob<'a>, column: Column, points: &Range<u64>) -> Slice<'a, [f32; 4]> {
         if job.streamed.is_some() {
             return self.stream.column(column, points);
         }
@@ -323,7 +323,7 @@ impl Ensembles {
     }
 }
 
-fn push(job: &WindowJob<'_>, task: &Task) -> SlotsPush {
+fn push(job: &SpbrJob<'_>, task: &Task) -> SlotsPush {
     let (share, piece) = (&job.shares[task.cloud], &task.piece);
     let ensembles = job.ensembles();
     let [key_x, key_y] = key(job.seed);

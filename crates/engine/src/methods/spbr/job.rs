@@ -22,7 +22,7 @@ const MOST_PLANES: u64 = 4096;
 const LARGE_STEPS: u64 = 8192;
 
 /// Everything that stays the same while a window is rendered.
-pub struct WindowJob<'a> {
+pub struct SpbrJob<'a> {
     /// The cloud, its view set.
     pub cloud: &'a DeviceCloud,
     /// The window.
@@ -53,7 +53,7 @@ pub struct WindowJob<'a> {
     pub budget: Budget,
 }
 
-impl WindowJob<'_> {
+impl SpbrJob<'_> {
     pub(super) fn pixels(&self) -> u64 {
         bands::pixels(self.window)
     }

@@ -21,7 +21,7 @@ mod variants;
 
 pub(crate) use engine::{EnsembleEngine, pass_group};
 pub use ensembles::{Drawn, Ensembles};
-pub use job::{Scale, WindowJob};
+pub use job::{Scale, SpbrJob};
 pub use passes::*;
 pub use variants::{Form, SpbrKind, Stage, shaders};
 

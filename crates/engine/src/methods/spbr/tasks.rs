@@ -5,7 +5,7 @@ use std::mem::take;
 use std::ops::Range;
 
 use super::rounds::{Epochs, Piece, pieces};
-use super::{Stage, WindowJob};
+use super::{SpbrJob, Stage};
 
 /// A dispatch.
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ pub struct Task {
 
 /// The dispatches of all rounds: of each, every stage goes over all clouds before the next.
 pub struct Tasks<'a> {
-    job: &'a WindowJob<'a>,
+    job: &'a SpbrJob<'a>,
     epochs: Epochs,
     /// First ensemble of the next round.
     next: u32,
@@ -36,7 +36,7 @@ pub struct Tasks<'a> {
 
 impl<'a> Tasks<'a> {
     /// Returns the tasks of a window.
-    pub fn new(job: &'a WindowJob<'a>) -> Self {
+    pub fn new(job: &'a SpbrJob<'a>) -> Self {
         Self {
             job,
             epochs: Epochs::new(job.epoch_bits()),

@@ -1,6 +1,6 @@
 //! The engine of `hqs` and `splats`, and the drawing in three passes that others take for their solid points.
 
-use super::{PASSES, PIXEL_BYTES, Splatter, WindowJob, least_bytes, survey};
+use super::{PASSES, PIXEL_BYTES, SplatsJob, Splatter, least_bytes, survey};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Engine, Work, windows_of};
@@ -110,7 +110,7 @@ pub(crate) fn draw(
         Onto::TargetBehindLayer => (work.target.pixels(), Some(layer.depths())),
         Onto::Layer => (layer.pixels(), None),
     };
-    own.of::<Splatter>(work.device)?.render(bins, work, &WindowJob { bin, blend_depth, layer: behind }, into)
+    own.of::<Splatter>(work.device)?.render(bins, work, &SplatsJob { bin, blend_depth, layer: behind }, into)
 }
 
 /// Returns the conversion of a part of a cloud's points to three-pass splats: like those of `splats`, with its

@@ -68,7 +68,7 @@ pub const PIXEL_BYTES: u64 = 4 + 16;
 
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
+pub struct SplatsJob<'a> {
     /// The splats to bin, in the order of indices. Bytes that are in use must count [`PIXEL_BYTES`].
     pub bin: bin::Job<'a>,
     /// Fragments up to so many radii behind the nearest are blended with it.
@@ -92,7 +92,7 @@ impl Splatter {
         &mut self,
         bins: &mut Bins,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        job: &SplatsJob<'_>,
         into: Pixels<'_>,
     ) -> Result<Outcome, Error> {
         let device = work.device;
@@ -125,7 +125,7 @@ impl Splatter {
         &'a self,
         bins: &'a Bins,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &SplatsJob<'a>,
         binned: Binned,
         into: Pixels<'a>,
     ) -> Result<(), Error> {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::hardware::{self, HeldDepths};
-use super::{Sampler, StochasticKind, WindowJob, batches, least_bytes, pixel_bytes, window_pixels};
+use super::{SampleJob, Sampler, StochasticKind, batches, least_bytes, pixel_bytes, window_pixels};
 use crate::gpu::{Device, DeviceInfo};
 use crate::methods::abuffer::counted_beside;
 use crate::methods::bytes::PassRuns;
@@ -62,7 +62,7 @@ impl Stage for StochasticEngine {
         let Range { start: first, end: samples } = work.samples;
         work.facts.samples = samples - first;
         let settings = Stochastic { samples, ..self.settings };
-        let job = WindowJob { bin, settings, first, seed: work.frame.seed, spread: work.frame.wants_spread() };
+        let job = SampleJob { bin, settings, first, seed: work.frame.seed, spread: work.frame.wants_spread() };
         let sampler = own.of::<Sampler>(work.device)?;
         if bin.raster.walker == Walker::Hardware {
             sampler.draw(work, &job, HeldDepths::new(&work.frame.camera, bin.raster.footprint))?;

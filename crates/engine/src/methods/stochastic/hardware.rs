@@ -5,7 +5,7 @@
 //! hold, and sums by blending. Splats are drawn in canonical order, so that the depth test settles ties by index, and
 //! sums come in the same order every time.
 
-use super::{Batch, Sampler, StochasticKind, WindowJob, most_strata};
+use super::{Batch, SampleJob, Sampler, StochasticKind, most_strata};
 use crate::camera::{Camera, Projection};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
@@ -136,7 +136,7 @@ impl Stratum {
         }
     }
 
-    fn fold_push(&self, job: &WindowJob<'_>) -> FoldPush {
+    fn fold_push(&self, job: &SampleJob<'_>) -> FoldPush {
         let HeldDepths { base, shift } = self.depths;
         FoldPush {
             width: size(job.bin.raster.window)[0],
@@ -187,7 +187,7 @@ impl Attachments {
 
 impl Sampler {
     /// Renders a window into the target by the rasterizer, or keeps its sums.
-    pub(crate) fn draw(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>, depths: HeldDepths) -> Result<(), Error> {
+    pub(crate) fn draw(&mut self, work: &mut Work<'_>, job: &SampleJob<'_>, depths: HeldDepths) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
         self.keys.release();
         self.indices.release();
@@ -223,7 +223,7 @@ impl Sampler {
     fn record_stratum<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &SampleJob<'a>,
         stratum: Stratum,
         target: &'a Target,
     ) -> Result<(), Error> {
@@ -251,7 +251,7 @@ impl Sampler {
     }
 }
 
-fn draw_variant(job: &WindowJob<'_>) -> Variant {
+fn draw_variant(job: &SampleJob<'_>) -> Variant {
     compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff)
 }
 

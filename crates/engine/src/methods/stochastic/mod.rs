@@ -181,7 +181,7 @@ pub fn more_samples(samples: u32, limit: u32, errors: &[[f32; 3]], most: f32) ->
 
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
+pub struct SampleJob<'a> {
     /// The splats to bin.
     pub bin: bin::Job<'a>,
     /// Discs, correction, and where samples end.
@@ -194,7 +194,7 @@ pub struct WindowJob<'a> {
     pub spread: bool,
 }
 
-impl WindowJob<'_> {
+impl SampleJob<'_> {
     fn kind(&self) -> StochasticKind {
         StochasticKind { exact: self.settings.alpha_correction, spread: self.spread }
     }
@@ -234,7 +234,7 @@ impl Sampler {
         &mut self,
         bins: &mut Bins,
         work: &mut Work<'_>,
-        job: &WindowJob<'_>,
+        job: &SampleJob<'_>,
     ) -> Result<Outcome, Error> {
         let (device, target) = (work.device, work.target);
         match bins.bin(device, &job.bin, work.timeline)? {
@@ -291,7 +291,7 @@ impl Sampler {
     }
 
     /// Begins a batch: the first one of a later part has no depths before it.
-    fn begin_batch<'w>(&self, work: &mut Work<'w>, job: &WindowJob<'_>, batch: Batch) -> Result<Recorder<'w>, Error> {
+    fn begin_batch<'w>(&self, work: &mut Work<'w>, job: &SampleJob<'_>, batch: Batch) -> Result<Recorder<'w>, Error> {
         let mut recorder = work.timeline.recorder(work.device)?;
         if batch.before == job.first && job.first > 0 {
             let depths = work.target.depths().first(job.pixels());
@@ -305,7 +305,7 @@ impl Sampler {
         &'a self,
         mut recorder: Recorder<'a>,
         work: &mut Work<'w>,
-        (job, batch): (&WindowJob<'_>, Batch),
+        (job, batch): (&SampleJob<'_>, Batch),
         name: &str,
     ) -> Result<(), Error> {
         if work.sums.is_none() {
@@ -324,7 +324,7 @@ impl Sampler {
     }
 
     /// Resolves a window whose batches are through, or keeps what they have in common.
-    fn end(&self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+    fn end(&self, work: &mut Work<'_>, job: &SampleJob<'_>) -> Result<(), Error> {
         let (target, pixels) = (work.target, job.pixels());
         if work.sums.is_none() {
             let mut recorder = work.timeline.recorder(work.device)?;
@@ -339,7 +339,7 @@ impl Sampler {
     }
 
     /// Ends a window that shows nothing. Sums that are kept begin as those of nothing.
-    fn end_empty(&self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+    fn end_empty(&self, work: &mut Work<'_>, job: &SampleJob<'_>) -> Result<(), Error> {
         if work.sums.is_some() {
             return Ok(());
         }
@@ -364,7 +364,7 @@ impl Sampler {
         Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
     }
 
-    fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+    fn reserve(&mut self, device: &Device, job: &SampleJob<'_>) -> Result<(), Error> {
         self.attachments.release();
         let pixels = job.pixels();
         let strata = most_strata(job.batches());

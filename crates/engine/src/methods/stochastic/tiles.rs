@@ -1,6 +1,6 @@
 //! The samples' two passes over the splats in compute shaders, tile by tile.
 
-use super::{Batch, STRATA, Sampler, StochasticKind, WindowJob};
+use super::{Batch, STRATA, SampleJob, Sampler, StochasticKind};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Recorder, Variant};
@@ -57,7 +57,7 @@ impl Sampler {
     pub(super) fn record_tiles<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &SampleJob<'a>,
         tiles: OrderedTiles<'a>,
         batch: Batch,
         target: &'a Target,
@@ -86,7 +86,7 @@ impl Sampler {
     }
 }
 
-fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) -> StochasticPush {
+fn push(job: &SampleJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) -> StochasticPush {
     let [key_low, key_high] = random::key(job.seed);
     let key_high = key_high.wrapping_add(before / STRATUM / STRATA_OF_A_CALL);
     let pixels = job.pixels() as u32;

@@ -13,7 +13,7 @@ pub use least_bytes::least_bytes;
 use self::classes::{CLASS_PLACED, CLASS_START, CLASS_TOTAL, CLASS_WORDS, class_variant, sort_runs_variant};
 use self::in_place::in_place_merges;
 use super::passes::*;
-use super::{LOCAL_LENGTH, Room, RunBuffers, Shown, WindowJob};
+use super::{LOCAL_LENGTH, ListsJob, Room, RunBuffers, Shown};
 use crate::choices::Choices;
 use crate::fields;
 use crate::gpu::shader::Shader;
@@ -83,7 +83,7 @@ impl<'a> Stored<'a> {
 #[derive(Clone, Copy)]
 pub struct Blending<'a> {
     /// The window.
-    pub job: WindowJob<'a>,
+    pub job: ListsJob<'a>,
     /// The stored fragments.
     pub stored: Stored<'a>,
     /// The band.
@@ -368,7 +368,7 @@ impl Blender {
     fn record_sort<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        job: &ListsJob<'a>,
         stored: Stored<'a>,
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
