@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::hardware::{self, HeldDepths};
-use super::{SampleJob, Sampler, StochasticKind, batches, least_bytes, pixel_bytes, window_pixels};
+use super::{SampleJob, SampleKind, Sampler, batches, least_bytes, pixel_bytes, window_pixels};
 use crate::gpu::{Device, DeviceInfo};
 use crate::methods::abuffer::counted_beside;
 use crate::methods::bytes::PassRuns;
@@ -115,7 +115,7 @@ impl Engine for StochasticEngine {
         sums: &SamplePart,
     ) -> Result<(), Error> {
         work.facts.samples = work.samples.end;
-        let kind = StochasticKind { exact: self.settings.alpha_correction, spread: work.frame.wants_spread() };
+        let kind = SampleKind { exact: self.settings.alpha_correction, spread: work.frame.wants_spread() };
         buffers.resources.own.of::<Sampler>(work.device)?.resolve(work, kind, sums)?;
         work.finish();
         work.facts.note(&[], Walker::Compute);
@@ -137,7 +137,7 @@ impl Explain for StochasticEngine {
         }
         let (facts, pixels) = (pass.facts, pass.pixels());
         let splat = pass.splat(discs.shape == DiscShape::Oriented);
-        let kind = StochasticKind { exact, spread: pass.frame.wants_spread() };
+        let kind = SampleKind { exact, spread: pass.frame.wants_spread() };
         let quads = facts.points * 8 + facts.visible / facts.windows.max(1) * (splat + 16);
         let strata = u64::from(samples.div_ceil(STRATUM));
         least_bytes(pass.name, samples, kind, facts, pixels, splat)

@@ -5,7 +5,7 @@
 //! hold, and sums by blending. Splats are drawn in canonical order, so that the depth test settles ties by index, and
 //! sums come in the same order every time.
 
-use super::{Batch, SampleJob, Sampler, StochasticKind, most_strata};
+use super::{Batch, SampleJob, SampleKind, Sampler, most_strata};
 use crate::camera::{Camera, Projection};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
@@ -80,7 +80,7 @@ pass! {
 }
 
 /// The variant of `stochastic/fold`.
-fn fold_variant(kind: StochasticKind) -> Variant {
+fn fold_variant(kind: SampleKind) -> Variant {
     kind.apply_to(Variant::plain())
 }
 
@@ -245,7 +245,7 @@ impl Sampler {
             depths: target.depths(),
         };
         let push = stratum.fold_push(job);
-        let kind = StochasticKind { exact: job.finds_exact(), ..job.kind() };
+        let kind = SampleKind { exact: job.finds_exact(), ..job.kind() };
         let run = Run::new(Dispatch::Invocations(job.pixels())).variant(fold_variant(kind));
         Ok(recorder.run(&fold, push, &run)?)
     }
@@ -275,7 +275,7 @@ pub(super) fn shaders() -> Vec<Shader> {
         Shader::new::<DrawAlpha>(compose::shape_variants()),
         Shader::new::<DrawHeld>(compose::shape_variants()),
         Shader::new::<DrawSums>(compose::shape_variants()),
-        Shader::new::<Fold>(StochasticKind::all().into_iter().map(fold_variant)),
+        Shader::new::<Fold>(SampleKind::all().into_iter().map(fold_variant)),
     ]
 }
 
@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn drawing_takes_no_more_memory_than_the_windows_leave() {
         for spread in [false, true] {
-            let drawn = 52 + 16 * StochasticKind { exact: true, spread }.sums(super::super::MOST_STRATA);
+            let drawn = 52 + 16 * SampleKind { exact: true, spread }.sums(super::super::MOST_STRATA);
             assert!(drawn + 4 + if spread { 32 } else { 0 } <= super::super::pixel_bytes(spread));
         }
     }

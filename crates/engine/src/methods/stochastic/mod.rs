@@ -77,16 +77,16 @@ pub struct Batch {
 
 /// Settings on which every pass depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct StochasticKind {
+pub struct SampleKind {
     /// `true` if A is exact and color scaled by it: alpha correction.
     pub exact: bool,
     /// `true` if the standard error is asked for.
     pub spread: bool,
 }
 
-choices!(struct StochasticKind { exact, spread });
+choices!(struct SampleKind { exact, spread });
 
-impl StochasticKind {
+impl SampleKind {
     /// Returns a variant with the overrides of both.
     pub fn apply_to(self, variant: Variant) -> Variant {
         variant.with("SPREAD", u32::from(self.spread)).with("EXACT", u32::from(self.exact))
@@ -99,12 +99,12 @@ impl StochasticKind {
 }
 
 /// The variant of `stochastic/gather`.
-fn gather_variant(kind: StochasticKind, strata: u32) -> Variant {
+fn gather_variant(kind: SampleKind, strata: u32) -> Variant {
     kind.apply_to(Variant::plain()).each("stratum", strata)
 }
 
 /// The variant of `stochastic/resolve`.
-fn resolve_variant(kind: StochasticKind) -> Variant {
+fn resolve_variant(kind: SampleKind) -> Variant {
     kind.apply_to(Variant::plain())
 }
 
@@ -123,14 +123,7 @@ fn most_strata(batches: impl Iterator<Item = Batch>) -> u32 {
 
 /// Returns the number of bytes that a pass must at least read and write for so many pixels of `samples` each; `splat`
 /// bytes of a splat, its color and record aside.
-pub fn least_bytes(
-    name: &str,
-    samples: u32,
-    kind: StochasticKind,
-    facts: &Facts,
-    pixels: u64,
-    splat: u64,
-) -> Option<u64> {
+pub fn least_bytes(name: &str, samples: u32, kind: SampleKind, facts: &Facts, pixels: u64, splat: u64) -> Option<u64> {
     let runs = batches(samples).count() as u64;
     let strata: u64 = batches(samples).map(|b| u64::from(b.strata)).sum();
     // Keys and indices; sums of each run and, for the spread, of each stratum.
@@ -150,7 +143,7 @@ pub fn least_bytes(
 
 /// Returns device bytes per pixel of a window, without the tiles.
 pub fn pixel_bytes(spread: bool) -> u64 {
-    let kind = StochasticKind { exact: true, spread };
+    let kind = SampleKind { exact: true, spread };
     // Keys and indices held by the samples, sums, exact A; Q, S and X of the spread.
     16 * (2 * u64::from(MOST_STRATA) + kind.sums(MOST_STRATA)) + 4 + if spread { 32 } else { 0 }
 }
@@ -195,8 +188,8 @@ pub struct SampleJob<'a> {
 }
 
 impl SampleJob<'_> {
-    fn kind(&self) -> StochasticKind {
-        StochasticKind { exact: self.settings.alpha_correction, spread: self.spread }
+    fn kind(&self) -> SampleKind {
+        SampleKind { exact: self.settings.alpha_correction, spread: self.spread }
     }
 
     fn pixels(&self) -> u64 {
@@ -265,12 +258,7 @@ impl Sampler {
     }
 
     /// Resolves sums that were put together into the target.
-    pub(crate) fn resolve(
-        &mut self,
-        work: &mut Work<'_>,
-        kind: StochasticKind,
-        sums: &SamplePart,
-    ) -> Result<(), Error> {
+    pub(crate) fn resolve(&mut self, work: &mut Work<'_>, kind: SampleKind, sums: &SamplePart) -> Result<(), Error> {
         let (device, target, window, samples) = (work.device, work.target, work.window, work.samples.end);
         self.reserve_sums(device, work.pixels(), kind, most_strata(batches(samples)))?;
         for batch in batches(samples) {
@@ -374,8 +362,8 @@ impl Sampler {
     }
 
     /// Reserves the sums that both ways of going through the splats fill.
-    fn reserve_sums(&mut self, device: &Device, pixels: u64, kind: StochasticKind, strata: u32) -> Result<(), Error> {
-        let StochasticKind { exact, spread } = kind;
+    fn reserve_sums(&mut self, device: &Device, pixels: u64, kind: SampleKind, strata: u32) -> Result<(), Error> {
+        let SampleKind { exact, spread } = kind;
         self.sums.reserve(device, pixels * kind.sums(strata))?;
         self.exact.reserve(device, if exact { pixels } else { 1 })?;
         self.spread.reserve(device, if spread { 2 * pixels } else { 1 })?;
@@ -385,7 +373,7 @@ impl Sampler {
     fn record_gather<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        (pixels, kind): (u64, StochasticKind),
+        (pixels, kind): (u64, SampleKind),
         batch: Batch,
         target: &'a Target,
     ) -> Result<(), Error> {
@@ -398,7 +386,7 @@ impl Sampler {
     fn record_resolve<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        (pixels, kind): (u64, StochasticKind),
+        (pixels, kind): (u64, SampleKind),
         samples: u32,
         target: &'a Target,
     ) -> Result<(), Error> {
@@ -414,7 +402,7 @@ const STRATA: [u32; 2] = [STRATA_OF_A_CALL, MOST_STRATA];
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let kinds = || StochasticKind::all().into_iter();
+    let kinds = || SampleKind::all().into_iter();
     let gather = kinds().flat_map(|kind| STRATA.map(|strata| gather_variant(kind, strata)));
     let mut all = vec![Shader::new::<Gather>(gather), Shader::new::<Resolve>(kinds().map(resolve_variant))];
     all.extend(tiles::shaders());
@@ -446,7 +434,7 @@ mod tests {
     fn least_bytes_by_hand() {
         let facts = Facts { visible: 5, tile_entries: 20, ..Facts::default() };
         let of = |name, samples, exact, spread| {
-            least_bytes(name, samples, StochasticKind { exact, spread }, &facts, 10, 20).expect("a pass of stochastic")
+            least_bytes(name, samples, SampleKind { exact, spread }, &facts, 10, 20).expect("a pass of stochastic")
         };
         // Of each pixel two strata; of each splat 16 bytes, color and record.
         assert_eq!(of("stochastic/visibility", 8, false, false), 20 * 4 + 5 * 40 + 10 * 64);
@@ -456,7 +444,7 @@ mod tests {
         assert_eq!(of("stochastic/gather", 8, true, false), 10 * (16 + 16));
         assert_eq!(of("stochastic/gather", 8, true, true), 10 * (48 + 16 + 32));
         assert_eq!(of("stochastic/resolve", 8, true, true), 10 * (32 + 4 + 32));
-        assert_eq!(least_bytes("sorted/blend", 8, StochasticKind { exact: true, spread: false }, &facts, 10, 20), None);
+        assert_eq!(least_bytes("sorted/blend", 8, SampleKind { exact: true, spread: false }, &facts, 10, 20), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The samples' two passes over the splats in compute shaders, tile by tile.
 
-use super::{Batch, STRATA, SampleJob, Sampler, StochasticKind};
+use super::{Batch, STRATA, SampleJob, SampleKind, Sampler};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Recorder, Variant};
@@ -80,7 +80,7 @@ impl Sampler {
         let tile = |run| tile_variant(shape.clone(), run, batch.strata);
         binned.record_runs(recorder, &visibility, runs, push, tile)?;
         // All strata have the same exact A: the first ones find it.
-        let kind = StochasticKind { exact: job.finds_exact() && batch.before == 0, ..job.kind() };
+        let kind = SampleKind { exact: job.finds_exact() && batch.before == 0, ..job.kind() };
         binned.record_runs(recorder, &accumulate, runs, push, |run| kind.apply_to(tile(run)))?;
         Ok(())
     }
@@ -96,7 +96,7 @@ fn push(job: &SampleJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let tiles = bin::run_variants(compose::variants(), &STRATA, tile_variant);
-    let kinds = || StochasticKind::all().into_iter();
+    let kinds = || SampleKind::all().into_iter();
     let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.apply_to(tile.clone())));
     vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]
 }
