@@ -321,7 +321,7 @@ enum Format {
     E57,
     Pcd,
     Splats(splats::Reader),
-    Text(text::Kind),
+    Text(text::TextFormat),
 }
 
 impl Format {
@@ -348,9 +348,9 @@ impl Format {
             "sog" => "PK",
             "glb" => "glTF",
             "gltf" => "{",
-            other => match text::Kind::of_extension(other) {
+            other => match text::TextFormat::of_extension(other) {
                 Some(kind) => return Ok(Self::Text(kind)),
-                None if text::looks_like_one(start) => return Ok(Self::Text(text::Kind::Table)),
+                None if text::looks_like_one(start) => return Ok(Self::Text(text::TextFormat::Table)),
                 None => "",
             },
         };
@@ -367,7 +367,7 @@ pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")
         || splats::has_extension(&extension)
-        || text::Kind::of_extension(&extension).is_some()
+        || text::TextFormat::of_extension(&extension).is_some()
 }
 
 /// An open file with what error messages and size checks need.

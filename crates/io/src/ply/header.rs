@@ -34,11 +34,11 @@ pub(super) struct Element {
 /// A named value or list of a record.
 pub(super) struct Property {
     pub name: String,
-    pub kind: Kind,
+    pub kind: PlyType,
 }
 
 /// Type of a property.
-pub(super) enum Kind {
+pub(super) enum PlyType {
     Scalar(ScalarType),
     List { count: ScalarType, item: ScalarType },
 }
@@ -153,8 +153,8 @@ impl Names {
 
 fn property((definition, name): (ply::PropertyDef, String)) -> Property {
     let kind = match definition.data_type {
-        PropertyType::Scalar(scalar) => Kind::Scalar(scalar),
-        PropertyType::List(count, item) => Kind::List { count, item },
+        PropertyType::Scalar(scalar) => PlyType::Scalar(scalar),
+        PropertyType::List(count, item) => PlyType::List { count, item },
     };
     Property { name, kind }
 }

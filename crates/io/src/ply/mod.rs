@@ -33,7 +33,7 @@ use ply_rs_bw::ply::Encoding;
 use super::columns::{Column, FullScale, Layout, Table};
 use super::{Error, PROGRESS_STEP, Source, memory};
 use compressed::Compressed;
-use header::{Element, Header, Kind};
+use header::{Element, Header, PlyType};
 use pellucid_core::cloud::Cloud;
 pub(super) use prepared::is_prepared;
 pub(super) use rows::VertexRows;
@@ -217,7 +217,7 @@ impl Element {
     }
 }
 
-impl Kind {
+impl PlyType {
     /// The type, unless it is a list.
     fn scalar(&self) -> Option<&header::ScalarType> {
         match self {

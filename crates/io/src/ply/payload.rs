@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, ErrorKind, Read};
 
-use super::header::{Element, Header, Kind, ScalarType, size};
+use super::header::{Element, Header, PlyType, ScalarType, size};
 use crate::number::number;
 use crate::{Error, Source};
 
@@ -17,8 +17,8 @@ impl Binary {
         row.clear();
         for property in &element.properties {
             let read = match &property.kind {
-                Kind::Scalar(scalar) => self.scalar(&mut source.reader, scalar).map(|value| row.push(value)),
-                Kind::List { count, item } => self.skip_list(&mut source.reader, count, item),
+                PlyType::Scalar(scalar) => self.scalar(&mut source.reader, scalar).map(|value| row.push(value)),
+                PlyType::List { count, item } => self.skip_list(&mut source.reader, count, item),
             };
             read.map_err(|e| self.error(source, e, element, index))?;
         }
@@ -186,8 +186,8 @@ fn parse(line: &str, element: &Element, row: &mut Vec<f64>) -> Result<(), String
         })?;
         let value = number(word).ok_or_else(|| format!("property `{}`: `{word}` is not a number", property.name))?;
         match property.kind {
-            Kind::Scalar(_) => row.push(value),
-            Kind::List { .. } => {
+            PlyType::Scalar(_) => row.push(value),
+            PlyType::List { .. } => {
                 // A missing item shows up as a missing value of the next property, or not at all.
                 for _ in 0..value as u64 {
                     if words.next().is_none() {

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use ply_rs_bw::ply::Encoding;
 
-use super::header::{Element, Header, Kind, ScalarType, size};
+use super::header::{Element, Header, PlyType, ScalarType, size};
 use super::payload::{self, column};
 use crate::columns::{Block, Layout, Table};
 use crate::{Error, SharedFile, Source};
@@ -47,7 +47,7 @@ impl VertexRows {
         let mut row_len = 0;
         let mut values = Vec::new();
         for property in &element.properties {
-            if let Kind::Scalar(scalar) = &property.kind {
+            if let PlyType::Scalar(scalar) = &property.kind {
                 values.push((row_len, scalar.clone()));
                 row_len += size(scalar) as usize;
             }

@@ -20,7 +20,7 @@ pub(super) use table::looks_like_one;
 
 /// The kinds of text files.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum TextFormat {
     /// A table, which may begin with names.
     Table,
     /// Scans that each begin with their number of points.
@@ -29,7 +29,7 @@ pub(super) enum Kind {
     Ptx,
 }
 
-impl Kind {
+impl TextFormat {
     /// Returns the kind that files of an extension have, in lower case; `None` if they are no text.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension {
@@ -45,7 +45,7 @@ impl Kind {
 pub(super) fn read(
     source: &mut Source,
     start: &[u8],
-    kind: Kind,
+    kind: TextFormat,
     names: Option<&ColumnNames>,
     progress: &Progress,
 ) -> Result<Cloud, Error> {
@@ -56,8 +56,8 @@ pub(super) fn read(
         return Err(source.malformed(format!("byte {at}"), "binary data, not text"));
     }
     let mut cloud = match kind {
-        Kind::Ptx => ptx::read(source, names, progress)?,
-        Kind::Table | Kind::Pts => table::read(source, kind == Kind::Pts, names, progress)?,
+        TextFormat::Ptx => ptx::read(source, names, progress)?,
+        TextFormat::Table | TextFormat::Pts => table::read(source, kind == TextFormat::Pts, names, progress)?,
     };
     cloud.up = UpAxis::Z;
     Ok(cloud)

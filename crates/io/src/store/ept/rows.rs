@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::metadata::Dimension;
 use crate::las::Columns;
-use crate::number::Kind;
+use crate::number::NumberType;
 use crate::{Error, LasColumns, Source, decoder};
 use pellucid_core::cloud::Cloud;
 
@@ -47,7 +47,7 @@ pub(super) struct Rows {
 #[derive(Debug, Clone, Copy)]
 struct Number {
     at: usize,
-    kind: Kind,
+    kind: NumberType,
     scale: f64,
     offset: f64,
 }
@@ -64,7 +64,7 @@ impl Rows {
         let mut numbers = Vec::with_capacity(schema.len());
         let mut len = 0;
         for Dimension { name, class, size, scale, offset, .. } in schema {
-            let kind = Kind::of(*class, *size).ok_or_else(|| format!("`{name}` can't have {size} bytes"))?;
+            let kind = NumberType::of(*class, *size).ok_or_else(|| format!("`{name}` can't have {size} bytes"))?;
             let number = Number { at: len, kind, scale: scale.unwrap_or(1.0), offset: offset.unwrap_or(0.0) };
             numbers.push((name.clone(), number));
             len += size;

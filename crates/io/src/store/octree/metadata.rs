@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::about::{About, VERSION};
-use super::attributes::{AS_STORED, Attribute, Kind, Layout, Role};
+use super::attributes::{AS_STORED, Attribute, Layout, NumberType, Role};
 use crate::Error;
 use crate::store::Grid;
 use pellucid_core::cloud::Bounds;
@@ -77,7 +77,7 @@ pub(crate) struct Described {
     pub num_elements: usize,
     pub element_size: usize,
     #[serde(rename = "type")]
-    pub kind: Kind,
+    pub kind: NumberType,
     #[serde(default)]
     pub min: Vec<Option<f64>>,
     #[serde(default)]
