@@ -6,7 +6,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use super::number::NumberType;
-use super::{Error, Source};
+use super::{Error, InputFile};
 
 /// The type of a volume's numbers, little-endian: `uint8`, `int8`, `uint16`, `int16`, `uint32`, `int32`, `float32` or
 /// `float64`.
@@ -82,7 +82,7 @@ pub struct Volume {
 /// # Errors
 /// The file is missing or empty; its name lacks the omitted parameters; its size doesn't match; too little memory.
 pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<Volume, Error> {
-    let mut source = Source::open(path)?;
+    let mut source = InputFile::open(path)?;
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
     let parts = || name.rsplit('_');
     let unknown = |option: &str| {
@@ -110,7 +110,7 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
 }
 
 /// All numbers of a file whose size is a multiple of theirs.
-fn values(source: &mut Source, scalar: Scalar) -> Result<Vec<f32>, Error> {
+fn values(source: &mut InputFile, scalar: Scalar) -> Result<Vec<f32>, Error> {
     let count = source.len / scalar.bytes() as u64;
     let bytes = count.saturating_mul(4);
     let cause = || format!("{count} numbers need {bytes} bytes, more than can be allocated");

@@ -4,7 +4,7 @@ use std::io::{BufRead, Read};
 
 use crate::columns::ScalarType;
 use crate::number::{Class, NumberType};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 
 /// Longest header that is read; a file without `DATA` is not read to its end for nothing.
 const MAX_HEADER: u64 = 1 << 20;
@@ -87,7 +87,7 @@ struct Lines {
 }
 
 /// Reads the header and leaves the source at the first byte after it.
-pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
+pub(super) fn read(source: &mut InputFile) -> Result<Header, Error> {
     let mut lines = Lines::default();
     let (mut len, mut number) = (0, 0);
     let mut line = Vec::new();

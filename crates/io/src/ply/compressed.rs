@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use super::header::{Element, Header, ScalarType, size};
 use super::payload;
 use crate::splats::{Splat, Splats, quaternion};
-use crate::{Error, SharedFile, Source, memory};
+use crate::{Error, InputFile, SharedFile, memory};
 use pellucid_core::cloud::gaussians::{MAX_DEGREE, coefficients};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
@@ -31,7 +31,7 @@ const RANGES: [[&str; 6]; 3] = [
 
 /// A file of compressed splats whose header is read.
 pub(crate) struct Compressed {
-    source: Source,
+    source: InputFile,
     header: Header,
     vertex: usize,
 }
@@ -50,7 +50,7 @@ struct Records {
 }
 
 impl Compressed {
-    pub(super) fn new(source: Source, header: Header, vertex: usize) -> Self {
+    pub(super) fn new(source: InputFile, header: Header, vertex: usize) -> Self {
         Self { source, header, vertex }
     }
 

@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{self, DefaultElement, Encoding, PropertyType};
 
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 
 pub(super) use ply_rs_bw::ply::ScalarType;
 
@@ -54,7 +54,7 @@ pub(super) fn size(scalar: &ScalarType) -> u64 {
 }
 
 /// Reads the header and leaves the source at the first byte after it.
-pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
+pub(super) fn read(source: &mut InputFile) -> Result<Header, Error> {
     let mut tidy = Tidy::default();
     let mut len = 0;
     let mut line = Vec::new();

@@ -31,7 +31,7 @@ use pellucid_core::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
 use super::columns::{Column, FullScale, Layout, Table};
-use super::{Error, PROGRESS_STEP, Source, memory};
+use super::{Error, InputFile, PROGRESS_STEP, memory};
 use compressed::Compressed;
 use header::{Element, Header, PlyType};
 use pellucid_core::cloud::Cloud;
@@ -42,7 +42,7 @@ pub(super) use vertical::{step, vertical};
 pub use write::{write, write_prepared, write_to};
 
 /// Reads the vertices of a PLY file.
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let (vertices, comments) = Vertices::find(source)?;
     let mut cloud = match vertices {
         Vertices::Rows(rows) => {
@@ -86,7 +86,7 @@ pub(super) enum Vertices {
 
 impl Vertices {
     /// Reads the header; also returns its comments with the numbers of their lines.
-    pub fn find(mut source: Source) -> Result<(Self, Vec<(u64, String)>), Error> {
+    pub fn find(mut source: InputFile) -> Result<(Self, Vec<(u64, String)>), Error> {
         let mut header = header::read(&mut source)?;
         let Some(at) = header.elements.iter().position(|e| e.name == "vertex") else {
             let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();
@@ -118,7 +118,7 @@ impl Vertices {
 
 /// Vertices that are read one by one.
 pub(super) struct Records {
-    source: Source,
+    source: InputFile,
     header: Header,
     at: usize,
     splats: Option<Box<SplatColumns>>,
@@ -175,7 +175,7 @@ impl Records {
 }
 
 /// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.
-fn check_claim(source: &Source, elements: &[Element], header_len: u64, text: bool) -> Result<(), Error> {
+fn check_claim(source: &InputFile, elements: &[Element], header_len: u64, text: bool) -> Result<(), Error> {
     let mut left = source.len.saturating_sub(header_len);
     for element in elements {
         let least = if text { element.least_text() } else { element.least_bytes() };

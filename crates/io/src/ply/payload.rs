@@ -4,7 +4,7 @@ use std::io::{BufRead, ErrorKind, Read};
 
 use super::header::{Element, Header, PlyType, ScalarType, size};
 use crate::number::number;
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 
 /// Reader of binary records.
 pub(super) struct Binary {
@@ -13,7 +13,7 @@ pub(super) struct Binary {
 
 impl Binary {
     /// Reads the scalars of a record; its lists are skipped.
-    pub fn read(&self, source: &mut Source, element: &Element, index: u64, row: &mut Vec<f64>) -> Result<(), Error> {
+    pub fn read(&self, source: &mut InputFile, element: &Element, index: u64, row: &mut Vec<f64>) -> Result<(), Error> {
         row.clear();
         for property in &element.properties {
             let read = match &property.kind {
@@ -26,7 +26,7 @@ impl Binary {
     }
 
     /// Skips all records of an element.
-    pub fn skip(&self, source: &mut Source, element: &Element) -> Result<(), Error> {
+    pub fn skip(&self, source: &mut InputFile, element: &Element) -> Result<(), Error> {
         if element.properties.iter().all(|p| p.kind.scalar().is_some()) {
             let bytes = element.least_bytes() * element.count;
             let skipped = skip_bytes(&mut source.reader, bytes);
@@ -52,7 +52,7 @@ impl Binary {
         skip_bytes(reader, length as u64 * size(item))
     }
 
-    fn error(&self, source: &Source, e: std::io::Error, element: &Element, index: u64) -> Error {
+    fn error(&self, source: &InputFile, e: std::io::Error, element: &Element, index: u64) -> Error {
         match e.kind() {
             ErrorKind::UnexpectedEof => self.ends_early(source, element, index),
             ErrorKind::InvalidData => {
@@ -63,7 +63,7 @@ impl Binary {
     }
 
     /// Returns the error of a file that ends in this record of an element.
-    pub fn ends_early(&self, source: &Source, element: &Element, index: u64) -> Error {
+    pub fn ends_early(&self, source: &InputFile, element: &Element, index: u64) -> Error {
         source.truncated(format!(
             "the file ends at byte {} in record {index} of element `{}`, of which the header announces {}",
             source.len, element.name, element.count
@@ -127,7 +127,7 @@ impl Lines {
     }
 
     /// Skips all records of an element.
-    pub fn skip(&mut self, source: &mut Source, element: &Element) -> Result<(), Error> {
+    pub fn skip(&mut self, source: &mut InputFile, element: &Element) -> Result<(), Error> {
         if element.properties.is_empty() {
             return Ok(());
         }
@@ -137,7 +137,7 @@ impl Lines {
     /// Reads the scalars of a record; its lists are skipped.
     pub fn read(
         &mut self,
-        source: &mut Source,
+        source: &mut InputFile,
         element: &Element,
         index: u64,
         row: &mut Vec<f64>,
@@ -155,7 +155,7 @@ impl Lines {
         })
     }
 
-    fn next(&mut self, source: &mut Source, element: &Element, index: u64) -> Result<(), Error> {
+    fn next(&mut self, source: &mut InputFile, element: &Element, index: u64) -> Result<(), Error> {
         loop {
             self.line.clear();
             self.number += 1;

@@ -8,7 +8,7 @@ use ply_rs_bw::ply::Encoding;
 use super::header::{Element, Header, PlyType, ScalarType, size};
 use super::payload::{self, column};
 use crate::columns::{Block, Layout, Table};
-use crate::{Error, SharedFile, Source};
+use crate::{Error, InputFile, SharedFile};
 use pellucid_core::progress::Progress;
 
 /// Rows that a thread parses at a time.
@@ -36,7 +36,7 @@ pub(super) fn are_rows(header: &Header, element: &Element) -> bool {
 impl VertexRows {
     /// Returns the rows of an element for which [`are_rows`] holds, from a source that stands behind the header and
     /// whose claims are checked.
-    pub(super) fn find(mut source: Source, header: &Header, at: usize, layout: Layout) -> Result<Self, Error> {
+    pub(super) fn find(mut source: InputFile, header: &Header, at: usize, layout: Layout) -> Result<Self, Error> {
         let little_endian = header.encoding == Encoding::BinaryLittleEndian;
         let binary = payload::Binary { little_endian };
         for element in &header.elements[..at] {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Node, PIECE, Piece, Store, Summary};
 use crate::las::{Chunk, Columns, LasFile, Traits};
-use crate::{Error, LasColumns, Source};
+use crate::{Error, InputFile, LasColumns};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::progress::Progress;
 
@@ -36,7 +36,7 @@ impl LasPieces {
     /// Returns the errors of [`io::load`](crate::load) that show before the points are read, and an error if the header
     /// makes coordinates infinite.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
-        Self::new(LasFile::open(Source::open(path)?, asked)?)
+        Self::new(LasFile::open(InputFile::open(path)?, asked)?)
     }
 
     pub(super) fn new(file: LasFile) -> Result<Self, Error> {

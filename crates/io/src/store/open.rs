@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store, Summary};
 use crate::las::LasFile;
 use crate::ply::{Vertices, is_prepared};
-use crate::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with, splats};
+use crate::{Error, Format, Hints, InputFile, NAMES_WITHOUT_EFFECT, load_with, splats};
 use pellucid_core::progress::Progress;
 
 /// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder
@@ -44,8 +44,8 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
 enum Found {
     Ept,
     Octree,
-    Las(Source),
-    Ply(Source),
+    Las(InputFile),
+    Ply(InputFile),
     /// A file or folder that is read as a whole.
     Whole,
 }
@@ -61,7 +61,7 @@ impl Found {
         if splats::is_folder(path) {
             return Ok(Self::Whole);
         }
-        let mut source = Source::open(path)?;
+        let mut source = InputFile::open(path)?;
         let start = source.peek()?;
         Ok(match Format::detect(&source, &start) {
             Ok(Format::Las) => Self::Las(source),

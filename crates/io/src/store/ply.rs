@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::{Node, PIECE, Piece, Store, Summary};
 use crate::columns::{Table, Whole};
 use crate::ply::{VertexRows, Vertices, is_prepared, step, vertical};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::progress::Progress;
 
@@ -34,7 +34,7 @@ impl PlyPieces {
     /// Returns the errors of [`io::load`](crate::load), and an error for a file that has to be read as a whole: text,
     /// vertices with lists, Gaussian splats, or points that `pellucid prepare` wrote.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let mut source = Source::open(path)?;
+        let mut source = InputFile::open(path)?;
         let start = source.peek()?;
         if !start.starts_with(b"ply") {
             return Err(source.malformed("byte 0", "this is not a PLY file"));
@@ -50,7 +50,7 @@ impl PlyPieces {
     }
 
     /// Returns the pieces of a PLY file; `None` if it has to be read as a whole.
-    pub(super) fn new(source: Source) -> Result<Option<Self>, Error> {
+    pub(super) fn new(source: InputFile) -> Result<Option<Self>, Error> {
         let (Vertices::Rows(rows), comments) = Vertices::find(source)? else { return Ok(None) };
         if is_prepared(&comments) {
             return Ok(None);

@@ -13,7 +13,7 @@ mod table;
 
 use pellucid_core::progress::Progress;
 
-use super::{Error, Source};
+use super::{Error, InputFile};
 pub use names::ColumnNames;
 use pellucid_core::cloud::{Cloud, UpAxis};
 pub(super) use table::looks_like_one;
@@ -43,7 +43,7 @@ impl TextFormat {
 
 /// Reads the points of a text file; `start` are its first bytes.
 pub(super) fn read(
-    source: &mut Source,
+    source: &mut InputFile,
     start: &[u8],
     kind: TextFormat,
     names: Option<&ColumnNames>,

@@ -11,14 +11,14 @@ use super::lines::{Fields, Lines};
 use super::names::{ColumnNames, Layout, of_scanners};
 use super::table::LEAST_LINE;
 use crate::columns::{Columns, FullScale};
-use crate::{Error, PROGRESS_STEP, Source};
+use crate::{Error, InputFile, PROGRESS_STEP};
 use pellucid_core::cloud::Cloud;
 
 /// The values of a row, common to all scans; missing ones are NaN.
 const ALL: usize = 7;
 
 /// Reads all scans of a file as one cloud.
-pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut InputFile, given: Option<&ColumnNames>, progress: &Progress) -> Result<Cloud, Error> {
     let mut lines = Lines::new(source);
     let names = given.map_or_else(|| of_scanners(ALL).unwrap_or_default(), |given| given.as_slice().to_vec());
     let Layout { columns, at } = Layout::from_names(&names);

@@ -8,7 +8,7 @@ use super::batch::Batch;
 use super::lines::{Delimiter, Fields, Lines, any_number, comment};
 use super::names::{ColumnNames, Layout, by_values, of_scanners};
 use crate::columns::{self, FullScale};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use pellucid_core::cloud::Cloud;
 
 /// Bytes of the shortest line of a point: three digits, each with something behind it.
@@ -16,7 +16,7 @@ pub(super) const LEAST_LINE: u64 = 6;
 
 /// Reads a table. `pts`: columns without names are those of a PTS file.
 pub(super) fn read(
-    source: &mut Source,
+    source: &mut InputFile,
     pts: bool,
     given: Option<&ColumnNames>,
     progress: &Progress,

@@ -15,7 +15,7 @@ use std::path::Path;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::{Splat, Splats, from_coefficient, quaternion};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use files::Files;
 use meta::{Meta, Table};
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -42,7 +42,7 @@ pub(crate) fn is_folder(path: &Path) -> bool {
 }
 
 /// Reads an archive, or the `meta.json` of a folder.
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let files = Files::open(source)?;
     let meta = Meta::read(&files)?;
     let pictures = Pictures::read(&files, &meta)?;

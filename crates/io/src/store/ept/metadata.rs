@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use super::rows::{MOST_FOR_ONE, Rows};
 use crate::las::{MAX_POINTS_PER_BYTE, Traits};
 use crate::number::Class;
-use crate::{Error, LasColumns, Source};
+use crate::{Error, InputFile, LasColumns};
 use pellucid_core::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
 /// Parts of the file that are read.
@@ -87,7 +87,7 @@ impl Tiles {
 
 /// Reads a JSON file.
 pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    let mut source = Source::open(path)?;
+    let mut source = InputFile::open(path)?;
     let bytes = source.all()?;
     serde_json::from_slice(&bytes).map_err(|e| match e.is_eof() {
         true => source.truncated(format!("the JSON ends too early, in line {}", e.line())),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::metadata::Dimension;
 use crate::las::Columns;
 use crate::number::NumberType;
-use crate::{Error, LasColumns, Source, decoder};
+use crate::{Error, InputFile, LasColumns, decoder};
 use pellucid_core::cloud::Cloud;
 
 /// Dimensions of LAS points that clouds have no columns for.
@@ -93,7 +93,7 @@ impl Rows {
     /// Returns the columns of a tile with so many points, and the names of those that LAS doesn't know.
     pub fn read(
         &self,
-        mut source: Source,
+        mut source: InputFile,
         points: u64,
         asked: LasColumns,
         compressed: bool,

@@ -29,7 +29,7 @@ use glam::DVec3;
 
 use super::keys::cut;
 use super::{Node, Piece, Store, Summary, Survey};
-use crate::{Error, SharedFile, Source};
+use crate::{Error, InputFile, SharedFile};
 use attributes::Role;
 pub(crate) use decode::integers;
 use decode::{Decoder, full_scale, splats_of};
@@ -169,7 +169,7 @@ fn missing(error: Error, folder: &Path) -> Error {
 
 /// The nodes of the hierarchy.
 fn list(folder: &Path, checked: &Checked) -> Result<Vec<Listed>, Error> {
-    let bytes = Source::open(&folder.join(HIERARCHY))?.all()?;
+    let bytes = InputFile::open(&folder.join(HIERARCHY))?.all()?;
     let read = hierarchy::read(&bytes, checked.metadata.hierarchy.first_chunk_size, checked.bounds);
     read.map_err(|(place, cause)| Error::malformed(folder, place, cause))
 }
@@ -211,7 +211,7 @@ fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<Extent>>, Error> {
     if !is_ours || !folder.join(NODES).exists() {
         return Ok(None);
     }
-    let bytes = Source::open(&folder.join(NODES))?.all()?;
+    let bytes = InputFile::open(&folder.join(NODES))?.all()?;
     nodes::read(&bytes).map(Some).map_err(|(place, cause)| Error::malformed(folder, place, cause))
 }
 
