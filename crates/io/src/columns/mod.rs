@@ -8,7 +8,7 @@ mod table;
 
 pub(super) use block::Block;
 pub(super) use join::{taken, taken_optional};
-pub(super) use layout::Layout;
+pub(super) use layout::RowLayout;
 pub use layout::unit_or_zero;
 pub(super) use ply_rs_bw::ply::ScalarType;
 pub(super) use rows::Rows;
@@ -49,14 +49,14 @@ pub(super) enum FullScale {
 
 /// Columns that grow row by row.
 pub(super) struct Columns {
-    layout: Layout,
+    layout: RowLayout,
     table: Table,
 }
 
 impl Columns {
     /// Finds the columns of a table; fails with the coordinate that is missing.
     pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
-        let layout = Layout::new(columns, full_scale)?;
+        let layout = RowLayout::new(columns, full_scale)?;
         let table = Table::new(&layout, 0);
         Ok(Self { layout, table })
     }

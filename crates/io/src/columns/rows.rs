@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-use super::{Block, Layout, Table};
+use super::{Block, RowLayout, Table};
 
 /// A run of rows of a [`Table`], in all of its columns.
 pub(crate) struct Rows<'a> {
@@ -53,7 +53,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Writes the rows of a block, whose positions are finite, to a place.
-    pub fn put(&mut self, layout: &Layout, at: usize, block: &Block) {
+    pub fn put(&mut self, layout: &RowLayout, at: usize, block: &Block) {
         fn set<T>(column: &mut Option<&mut [T]>, places: Range<usize>, value: impl Fn(usize) -> Option<T>) {
             let Some(column) = column else { return };
             for (row, to) in column[places].iter_mut().enumerate() {

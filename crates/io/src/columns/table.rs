@@ -4,7 +4,7 @@ use bytemuck::allocation::zeroed_vec;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Layout, Rows, taken, taken_optional};
+use super::{RowLayout, Rows, taken, taken_optional};
 use crate::channel;
 use pellucid_core::cloud::Cloud;
 
@@ -59,7 +59,7 @@ impl Whole {
 
 impl Table {
     /// Returns columns of so many rows, all zero. Memory is taken as they are written.
-    pub fn new(layout: &Layout, rows: usize) -> Self {
+    pub fn new(layout: &RowLayout, rows: usize) -> Self {
         let codes = layout.classification.as_ref().map(|_| Vec::new());
         let mut table = Self { cloud: layout.empty(), codes };
         each_column!(&mut table, |column| *column = zeroed_vec(rows));
@@ -73,7 +73,7 @@ impl Table {
 
     /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
     /// parts is gone once it is joined.
-    pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
+    pub fn join(layout: &RowLayout, mut parts: Vec<Self>) -> Self {
         let (empty, parts) = (Self::new(layout, 0), parts.as_mut_slice());
         let Some(first) = parts.first() else { return empty };
         let scalars =
@@ -93,7 +93,7 @@ impl Table {
     }
 
     /// Adds a row, or counts it if its position is not finite.
-    pub fn push(&mut self, layout: &Layout, row: &[f64]) {
+    pub fn push(&mut self, layout: &RowLayout, row: &[f64]) {
         fn add<T>(column: &mut Option<Vec<T>>, value: Option<T>) {
             if let (Some(column), Some(value)) = (column, value) {
                 column.push(value);
@@ -150,7 +150,7 @@ impl Table {
     }
 
     /// Returns what these rows tell of all.
-    pub fn whole(&self, layout: &Layout) -> Whole {
+    pub fn whole(&self, layout: &RowLayout) -> Whole {
         let cloud = &self.cloud;
         let [colors, alphas] = layout.measures();
         let largest = |values: &[f32]| channel::largest(values.par_iter().copied());
@@ -165,14 +165,14 @@ impl Table {
     }
 
     /// Returns the cloud of all rows of a table.
-    pub fn into_cloud(self, layout: &Layout) -> Cloud {
+    pub fn into_cloud(self, layout: &RowLayout) -> Cloud {
         let whole = self.whole(layout);
         self.finish(layout, &whole)
     }
 
     /// Returns the cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that
     /// are all zero are dropped.
-    pub fn finish(self, layout: &Layout, whole: &Whole) -> Cloud {
+    pub fn finish(self, layout: &RowLayout, whole: &Whole) -> Cloud {
         let mut cloud = self.cloud;
         if let (Some(codes), Some((_, name))) = (self.codes, &layout.classification) {
             if whole.codes {
@@ -210,9 +210,9 @@ mod tests {
     use super::super::{Block, Column, FullScale, ScalarType};
     use super::*;
 
-    fn layout(names: &[&str]) -> Layout {
+    fn layout(names: &[&str]) -> RowLayout {
         let columns: Vec<Column> = names.iter().map(|name| Column::new(*name, ScalarType::Float)).collect();
-        Layout::new(&columns, FullScale::Measured).unwrap()
+        RowLayout::new(&columns, FullScale::Measured).unwrap()
     }
 
     /// Rows filled in runs are those that are pushed one by one, and those that are not finite are in neither.

@@ -30,7 +30,7 @@ mod write_splats;
 use pellucid_core::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
-use super::columns::{Column, FullScale, Layout, Table};
+use super::columns::{Column, FullScale, RowLayout, Table};
 use super::{Error, InputFile, PROGRESS_STEP, memory};
 use compressed::Compressed;
 use header::{Element, Header, PlyType};
@@ -99,7 +99,7 @@ impl Vertices {
             return Ok((Self::Compressed(Box::new(Compressed::new(source, header, at))), comments));
         }
         let scalars = vertex.scalars();
-        let layout = Layout::new(&scalars, FullScale::Typed).map_err(|missing| Error::MissingProperty {
+        let layout = RowLayout::new(&scalars, FullScale::Typed).map_err(|missing| Error::MissingProperty {
             path: source.path.clone(),
             missing,
             found: vertex.names(),
@@ -122,7 +122,7 @@ pub(super) struct Records {
     header: Header,
     at: usize,
     splats: Option<Box<SplatColumns>>,
-    layout: Layout,
+    layout: RowLayout,
 }
 
 impl Records {

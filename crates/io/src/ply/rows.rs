@@ -7,7 +7,7 @@ use ply_rs_bw::ply::Encoding;
 
 use super::header::{Element, Header, PlyType, ScalarType, size};
 use super::payload::{self, column};
-use crate::columns::{Block, Layout, Table};
+use crate::columns::{Block, RowLayout, Table};
 use crate::{Error, InputFile, SharedFile};
 use pellucid_core::progress::Progress;
 
@@ -18,7 +18,7 @@ const RUN: usize = 1 << 14;
 #[derive(Debug)]
 pub(crate) struct VertexRows {
     pub file: SharedFile,
-    pub layout: Layout,
+    pub layout: RowLayout,
     pub count: u64,
     pub row_len: u64,
     /// Byte of the first row.
@@ -36,7 +36,7 @@ pub(super) fn are_rows(header: &Header, element: &Element) -> bool {
 impl VertexRows {
     /// Returns the rows of an element for which [`are_rows`] holds, from a source that stands behind the header and
     /// whose claims are checked.
-    pub(super) fn find(mut source: InputFile, header: &Header, at: usize, layout: Layout) -> Result<Self, Error> {
+    pub(super) fn find(mut source: InputFile, header: &Header, at: usize, layout: RowLayout) -> Result<Self, Error> {
         let little_endian = header.encoding == Encoding::BinaryLittleEndian;
         let binary = payload::Binary { little_endian };
         for element in &header.elements[..at] {

@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::rows::VertexRows;
-use crate::columns::{Column, FullScale, Layout, ScalarType, Table};
+use crate::columns::{Column, FullScale, RowLayout, ScalarType, Table};
 use crate::splats::{Splat, Splats, from_coefficient};
 use crate::{Error, memory};
 use pellucid_core::cloud::filter::Filter;
@@ -37,7 +37,7 @@ pub(crate) struct SplatColumns {
     /// Properties that stay as they are.
     kept: Vec<usize>,
     /// Layout of a row of the position and those, if there are any.
-    layout: Option<Layout>,
+    layout: Option<RowLayout>,
     /// Warning of what is odd.
     warning: Option<String>,
 }
@@ -92,17 +92,17 @@ impl SplatColumns {
 
     /// Checks that memory can hold so many of them.
     pub fn check(&self, path: &std::path::Path, count: u64) -> Result<(), Error> {
-        let kept = self.layout.as_ref().map_or(0, Layout::bytes);
+        let kept = self.layout.as_ref().map_or(0, RowLayout::bytes);
         memory::check(path, count, Splats::bytes(self.degree) + kept)
     }
 }
 
 /// The columns of a row of the position and some properties.
-fn layout(properties: &[Column], kept: &[usize]) -> Option<Layout> {
+fn layout(properties: &[Column], kept: &[usize]) -> Option<RowLayout> {
     let position = ["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double));
     let kept = kept.iter().map(|&at| Column::new(&properties[at].name, properties[at].kind.clone()));
     let columns: Vec<_> = position.into_iter().chain(kept).collect();
-    Layout::new(&columns, FullScale::Typed).ok()
+    RowLayout::new(&columns, FullScale::Typed).ok()
 }
 
 /// Some splats, and what stays of their properties.

@@ -6,7 +6,7 @@ use pellucid_core::progress::Progress;
 
 use super::batch::Batch;
 use super::lines::{Delimiter, Fields, Lines, any_number, comment};
-use super::names::{ColumnNames, Layout, by_values, of_scanners};
+use super::names::{ColumnNames, UsedColumns, by_values, of_scanners};
 use crate::columns::{self, FullScale};
 use crate::{Error, InputFile};
 use pellucid_core::cloud::Cloud;
@@ -222,15 +222,15 @@ type Part = (Option<columns::Table>, Vec<f64>);
 
 /// Roles of the values of a line.
 struct Places {
-    layout: columns::Layout,
+    layout: columns::RowLayout,
     /// The value of a line that each column of the layout takes.
     at: Vec<usize>,
 }
 
 impl Places {
     fn new(lines: &Lines, names: &[String]) -> Result<Self, Error> {
-        let Layout { columns, at } = Layout::from_names(names);
-        let layout = columns::Layout::new(&columns, FullScale::Measured)
+        let UsedColumns { columns, at } = UsedColumns::from_names(names);
+        let layout = columns::RowLayout::new(&columns, FullScale::Measured)
             .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
         Ok(Self { layout, at })
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::super::octree::about::About;
-use super::super::octree::attributes::{Layout, Role};
+use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::metadata::{self, Metadata};
 use super::super::octree::nodes::{self, Extent, NODES};
 use super::super::octree::survey::{self, SURVEY, Surveyor};
@@ -33,7 +33,7 @@ pub const NODE_POINTS: usize = 20_000;
 #[derive(Debug)]
 pub struct Assembler {
     folder: PathBuf,
-    layout: Layout,
+    layout: AttributeLayout,
     rules: Rules,
     points: Sink,
     written: Vec<Written>,
@@ -65,7 +65,13 @@ impl Assembler {
     ///
     /// # Errors
     /// A file can't be written.
-    pub fn new(folder: &Path, layout: Layout, cube: Cube, node_points: usize, points: u64) -> Result<Self, Error> {
+    pub fn new(
+        folder: &Path,
+        layout: AttributeLayout,
+        cube: Cube,
+        node_points: usize,
+        points: u64,
+    ) -> Result<Self, Error> {
         Self::resume(folder, layout, cube, node_points, points, None)
     }
 
@@ -75,7 +81,7 @@ impl Assembler {
     /// A file can't be read or written, or isn't what the checkpoint says.
     pub(super) fn resume(
         folder: &Path,
-        layout: Layout,
+        layout: AttributeLayout,
         cube: Cube,
         node_points: usize,
         points: u64,

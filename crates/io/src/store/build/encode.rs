@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Quat, Vec3};
 
-use super::super::octree::attributes::{Attribute, Layout, NumberType, Role};
+use super::super::octree::attributes::{Attribute, AttributeLayout, NumberType, Role};
 use super::cube::Cube;
 use super::types::nearest_srgb;
 use pellucid_core::cloud::Cloud;
@@ -21,7 +21,7 @@ pub struct Encoded {
 ///
 /// # Errors
 /// A position that isn't in the cube.
-pub fn encode(layout: &Layout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Result<Encoded, DVec3> {
+pub fn encode(layout: &AttributeLayout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Result<Encoded, DVec3> {
     let mut records = vec![0; layout.stride * cloud.len()];
     let mut rounding = 0.0_f64;
     let splats = || cloud.gaussians.iter();

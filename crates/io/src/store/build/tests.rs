@@ -48,7 +48,7 @@ fn cloud(count: usize) -> Cloud {
 }
 
 struct EncodedCloud {
-    layout: Layout,
+    layout: AttributeLayout,
     cube: Cube,
     /// Records of the points, a vector each.
     records: Vec<Vec<u8>>,

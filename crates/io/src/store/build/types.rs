@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::super::Grid;
-use super::super::octree::attributes::{Layout, NumberType, Role};
+use super::super::octree::attributes::{AttributeLayout, NumberType, Role};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::linear;
 use pellucid_core::color::{encode_srgb, linear_values};
@@ -134,7 +134,7 @@ impl Types {
     }
 
     /// Returns the record of a cloud with these columns and so many points in its source.
-    pub fn layout(&self, like: &Cloud, points: u64) -> Layout {
+    pub fn layout(&self, like: &Cloud, points: u64) -> AttributeLayout {
         let mut layout = self.columns(like);
         // Potree's viewer reads no 64-bit integers; float64 counts to 2⁵³.
         layout.add(Role::Place, if u32::try_from(points).is_ok() { NumberType::Uint32 } else { NumberType::Double });
@@ -142,8 +142,8 @@ impl Types {
     }
 
     /// Returns the same without the place in the source, for points whose source has no order.
-    pub fn columns(&self, like: &Cloud) -> Layout {
-        let mut layout = Layout::default();
+    pub fn columns(&self, like: &Cloud) -> AttributeLayout {
+        let mut layout = AttributeLayout::default();
         let mut add = |is_there: bool, role: Role, kind: NumberType| {
             if is_there {
                 layout.add(role, kind);

@@ -182,14 +182,14 @@ pub(crate) const AS_STORED: [f64; 2] = [1.0, 0.0];
 
 /// The attributes of a point, one behind the other.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Layout {
+pub struct AttributeLayout {
     /// Attributes in the order of their bytes.
     pub attributes: Vec<Attribute>,
     /// Bytes of a point.
     pub stride: usize,
 }
 
-impl Layout {
+impl AttributeLayout {
     /// Adds an attribute of a role, whose name gets a `_` appended while another one has it.
     pub(crate) fn add(&mut self, role: Role, kind: NumberType) {
         let mut name = role.attribute_name().to_owned();
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn names_are_told_apart() {
-        let mut layout = Layout::default();
+        let mut layout = AttributeLayout::default();
         layout.add(Role::Position, NumberType::Int32);
         layout.add(Role::Radius, NumberType::Float);
         layout.add(Role::Scalar("radius".to_owned()), NumberType::Float);
@@ -280,7 +280,7 @@ mod tests {
     #[test]
     fn splats_have_all_of_their_attributes() {
         let layout = |roles: &[Role]| {
-            let mut layout = Layout::default();
+            let mut layout = AttributeLayout::default();
             roles.iter().for_each(|role| layout.add(role.clone(), NumberType::Float));
             layout
         };
@@ -303,7 +303,7 @@ mod tests {
             bytes,
             transform: AS_STORED,
         };
-        let add = |attribute, size| Layout::default().add_foreign(attribute, size);
+        let add = |attribute, size| AttributeLayout::default().add_foreign(attribute, size);
         assert_eq!(add(attribute("position", NumberType::Int32, 3, 12), 4), Ok(()));
         assert!(add(attribute("position", NumberType::Int32, 3, 12), 8).is_err());
         assert!(add(attribute("position", NumberType::Int32, 3, 16), 4).is_err());
@@ -318,7 +318,7 @@ mod tests {
         for (degree, elements) in [(0, 0), (1, 24), (2, 9), (5, 105), (255, 72)] {
             assert!(harmonics(degree, elements).is_err(), "{elements} numbers of degree {degree}");
         }
-        let mut layout = Layout::default();
+        let mut layout = AttributeLayout::default();
         for _ in 0..2 {
             layout.add_foreign(attribute("position", NumberType::Int32, 3, 12), 4).unwrap();
         }

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-use super::attributes::{Attribute, Layout, NumberType, Role};
+use super::attributes::{Attribute, AttributeLayout, NumberType, Role};
 use crate::channel::unit_or;
 use crate::columns::unit_or_zero;
 use crate::number::{at, word};
@@ -21,7 +21,7 @@ const BYTE: u16 = 255;
 /// Decoder that turns records into clouds.
 #[derive(Debug)]
 pub(super) struct Decoder {
-    layout: Layout,
+    layout: AttributeLayout,
     grid: Grid,
     /// Linear values of stored channels; empty without colors.
     table: &'static [f32],
@@ -32,7 +32,13 @@ pub(super) struct Decoder {
 
 impl Decoder {
     /// `full`: the channel of full intensity, if colors are [`Role::Rgb`].
-    pub fn new(layout: Layout, grid: Grid, full: Option<u16>, first_time: f64, prepared: Option<Prepared>) -> Self {
+    pub fn new(
+        layout: AttributeLayout,
+        grid: Grid,
+        full: Option<u16>,
+        first_time: f64,
+        prepared: Option<Prepared>,
+    ) -> Self {
         Self { layout, grid, table: full.map_or(&[], linear_values), first_time, prepared }
     }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::Octree;
-use super::attributes::{Layout, Role};
+use super::attributes::{AttributeLayout, Role};
 use super::decode::{Decoder, full_scale, splats_of};
 use crate::Error;
 use crate::shared::SharedFile;
@@ -32,7 +32,7 @@ pub(crate) struct Surveyor {
 
 impl Surveyor {
     /// Starts the survey of a store of this program with so many points in all.
-    pub fn new(mut layout: Layout, grid: Grid, points: u64) -> Self {
+    pub fn new(mut layout: AttributeLayout, grid: Grid, points: u64) -> Self {
         let full = layout.find(&Role::Rgb).and_then(|rgb| full_scale(rgb.kind, None));
         // Facts know nothing of the others.
         let is_plain = |role: &Role| !matches!(role, Role::Scalar(_) | Role::Place | Role::Field | Role::Lit);
