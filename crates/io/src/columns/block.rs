@@ -6,14 +6,14 @@ use super::RowLayout;
 const ROWS: usize = 1024;
 
 /// Some rows of a table.
-pub(crate) struct Block {
+pub(crate) struct RowBlock {
     /// [`ROWS`] values of each column.
     values: Vec<f64>,
     columns: usize,
     len: usize,
 }
 
-impl Block {
+impl RowBlock {
     /// Rows of a block at most.
     pub const ROWS: usize = ROWS;
 

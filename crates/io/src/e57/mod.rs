@@ -18,7 +18,7 @@ use super::columns::{Columns, FullScale};
 use super::number::long;
 use super::{Error, InputFile, PROGRESS_STEP, decoder};
 use pellucid_core::cloud::{Cloud, UpAxis};
-use scan::{Scan, Table};
+use scan::{Scan, ScanColumns};
 
 /// The first bytes of a file.
 pub(super) const MAGIC: &[u8] = b"ASTM-E57";
@@ -99,7 +99,7 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
     }
     let (numbers, clouds): (Vec<usize>, Vec<PointCloud>) = clouds.into_iter().unzip();
     check_claim(&numbers, &clouds, len)?;
-    let table = Table::for_scans(&clouds);
+    let table = ScanColumns::for_scans(&clouds);
     progress.set_length(clouds.iter().map(|cloud| cloud.records).sum());
     let mut columns = Columns::new(&table.columns, FullScale::Typed)
         .map_err(|missing| Problem::new("E57 data", format!("no coordinate `{missing}`")))?;

@@ -30,14 +30,14 @@ mod write_splats;
 use pellucid_core::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
-use super::columns::{Column, FullScale, RowLayout, Table};
+use super::columns::{Column, FullScale, PointTable, RowLayout};
 use super::{Error, InputFile, PROGRESS_STEP, memory};
 use compressed::Compressed;
 use header::{Element, Header, PlyType};
 use pellucid_core::cloud::Cloud;
 pub(super) use prepared::is_prepared;
 pub(super) use rows::VertexRows;
-use splats::{Part, SplatColumns};
+use splats::{SplatColumns, SplatPart};
 pub(super) use vertical::{step, vertical};
 pub use write::{write, write_prepared, write_to};
 
@@ -135,9 +135,9 @@ impl Records {
             None => memory::check(&source.path, vertex.count, layout.bytes())?,
         }
         progress.set_length(vertex.count);
-        let mut table = Table::new(&layout, 0);
+        let mut table = PointTable::new(&layout, 0);
         let mut row = Vec::with_capacity(vertex.properties.len());
-        let mut part = splats.as_ref().map(|splats| Part::new(splats, 0));
+        let mut part = splats.as_ref().map(|splats| SplatPart::new(splats, 0));
         let mut take = |row: &[f64], index: u64| {
             match &mut part {
                 None => table.push(&layout, row),
@@ -168,7 +168,7 @@ impl Records {
         }
         progress.set_position(vertex.count);
         if let (Some(splats), Some(part)) = (&splats, part) {
-            return Ok(Part::finish(splats, vec![part]));
+            return Ok(SplatPart::finish(splats, vec![part]));
         }
         Ok(table.into_cloud(&layout))
     }

@@ -7,7 +7,7 @@ use ply_rs_bw::ply::Encoding;
 
 use super::header::{Element, Header, PlyType, ScalarType, size};
 use super::payload::{self, column};
-use crate::columns::{Block, RowLayout, Table};
+use crate::columns::{PointTable, RowBlock, RowLayout};
 use crate::{Error, InputFile, SharedFile};
 use pellucid_core::progress::Progress;
 
@@ -61,11 +61,11 @@ impl VertexRows {
     }
 
     /// Shows some of the rows, block by block.
-    pub(super) fn blocks(&self, rows: Range<u64>, mut see: impl FnMut(&mut Block)) -> Result<(), Error> {
+    pub(super) fn blocks(&self, rows: Range<u64>, mut see: impl FnMut(&mut RowBlock)) -> Result<(), Error> {
         let bytes = self.file.read(self.start + rows.start * self.row_len, (rows.end - rows.start) * self.row_len)?;
         let row_len = self.row_len as usize;
-        let mut block = Block::new(self.values.len());
-        for records in bytes.chunks(Block::ROWS * row_len) {
+        let mut block = RowBlock::new(self.values.len());
+        for records in bytes.chunks(RowBlock::ROWS * row_len) {
             block.set_len(records.len() / row_len);
             for (at, (offset, scalar)) in self.values.iter().enumerate() {
                 column(records, row_len, *offset, scalar, self.little_endian, block.column(at));
@@ -76,8 +76,8 @@ impl VertexRows {
     }
 
     /// Parses some of the rows. Those whose position is not finite are left out, and their places returned.
-    pub fn parse(&self, rows: Range<u64>, progress: &Progress) -> Result<(Table, Vec<u64>), Error> {
-        let mut table = Table::new(&self.layout, (rows.end - rows.start) as usize);
+    pub fn parse(&self, rows: Range<u64>, progress: &Progress) -> Result<(PointTable, Vec<u64>), Error> {
+        let mut table = PointTable::new(&self.layout, (rows.end - rows.start) as usize);
         let left_out = table.fill(RUN, |first, to| {
             let first = rows.start + first as u64;
             let (mut done, mut left_out) = (0, Vec::new());

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{Node, PIECE, Piece, Store, Summary};
-use crate::columns::{Table, Whole};
+use crate::columns::{PointTable, TableFacts};
 use crate::ply::{VertexRows, Vertices, is_prepared, step, vertical};
 use crate::{Error, InputFile};
 use pellucid_core::cloud::{Bounds, Cloud};
@@ -20,7 +20,7 @@ use pellucid_core::progress::Progress;
 #[derive(Debug)]
 pub struct PlyPieces {
     rows: VertexRows,
-    whole: Whole,
+    whole: TableFacts,
     /// The rows of each node.
     pieces: Vec<Range<u64>>,
     nodes: Vec<Node>,
@@ -68,7 +68,7 @@ impl PlyPieces {
             return Err(Error::NoPoints { path: rows.file.path().to_path_buf(), non_finite: survey.non_finite });
         };
         let (up, up_reason) = vertical(&bounds, &survey.sample);
-        let like = Table::new(&rows.layout, 0).finish(&rows.layout, &survey.whole);
+        let like = PointTable::new(&rows.layout, 0).finish(&rows.layout, &survey.whole);
         let like = Cloud { up, up_reason, non_finite: survey.non_finite, ..like };
         let points = nodes.iter().map(|node| node.points).sum();
         let path = rows.file.path().to_path_buf();
@@ -100,7 +100,7 @@ impl Store for PlyPieces {
 
 /// Facts that all points tell together.
 struct Survey {
-    whole: Whole,
+    whole: TableFacts,
     non_finite: usize,
     /// Finite points so far.
     points: usize,
@@ -111,7 +111,7 @@ struct Survey {
 
 impl Survey {
     fn new(rows: &VertexRows) -> Self {
-        Self { whole: Whole::NONE, non_finite: 0, points: 0, sample: Vec::new(), step: step(rows.count) }
+        Self { whole: TableFacts::NONE, non_finite: 0, points: 0, sample: Vec::new(), step: step(rows.count) }
     }
 
     /// Adds some rows; the node of them, or nothing if none of their points is finite.

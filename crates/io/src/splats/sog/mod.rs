@@ -17,7 +17,7 @@ use glam::{DQuat, DVec3, Vec3};
 use super::{Splat, Splats, from_coefficient, quaternion};
 use crate::{Error, InputFile};
 use files::Files;
-use meta::{Meta, Table};
+use meta::{Codebook, Meta};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
 use picture::Pixels;
@@ -68,7 +68,7 @@ struct Pictures<'a> {
 
 /// Harmonics of the splats.
 struct Palette<'a> {
-    table: &'a Table,
+    table: &'a Codebook,
     centroids: Pixels,
     labels: Pixels,
     coefficients: usize,

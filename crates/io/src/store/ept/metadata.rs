@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::rows::{MOST_FOR_ONE, Rows};
+use super::rows::{EptRows, MOST_FOR_ONE};
 use crate::las::{MAX_POINTS_PER_BYTE, Traits};
 use crate::number::Class;
 use crate::{Error, InputFile, LasColumns};
@@ -61,9 +61,9 @@ pub(super) enum Tiles {
     /// LAZ files.
     Laszip,
     /// Rows of the schema's numbers.
-    Rows(Rows),
+    Rows(EptRows),
     /// Rows of binary values, compressed with Zstandard.
-    Zstandard(Rows),
+    Zstandard(EptRows),
 }
 
 impl Tiles {
@@ -117,8 +117,8 @@ impl Metadata {
         }
         let tiles = match &*json.data_type {
             "laszip" => Tiles::Laszip,
-            "binary" => Tiles::Rows(Rows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
-            "zstandard" => Tiles::Zstandard(Rows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
+            "binary" => Tiles::Rows(EptRows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
+            "zstandard" => Tiles::Zstandard(EptRows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
             other => {
                 return Err(malformed("dataType", format!("`{other}` (known: laszip, binary, zstandard)")));
             }

@@ -30,7 +30,7 @@ pub(super) const MOST_FOR_ONE: u64 = 1000;
 
 /// The numbers of a row, by what they are.
 #[derive(Debug)]
-pub(super) struct Rows {
+pub(super) struct EptRows {
     len: usize,
     position: [Number; 3],
     color: Option<[Number; 3]>,
@@ -58,7 +58,7 @@ impl Number {
     }
 }
 
-impl Rows {
+impl EptRows {
     /// Returns the rows of a schema, or what is wrong with it.
     pub fn new(schema: &[Dimension]) -> Result<Self, String> {
         let mut numbers = Vec::with_capacity(schema.len());
