@@ -55,7 +55,7 @@ impl PlyPieces {
         if is_prepared(&comments) {
             return Ok(None);
         }
-        let mut survey = Survey::new(&rows);
+        let mut survey = PlySurvey::new(&rows);
         let (mut pieces, mut nodes) = (Vec::new(), Vec::new());
         for start in (0..rows.count).step_by(PIECE as usize) {
             let piece = start..rows.count.min(start + PIECE);
@@ -99,7 +99,7 @@ impl Store for PlyPieces {
 }
 
 /// Facts that all points tell together.
-struct Survey {
+struct PlySurvey {
     whole: TableFacts,
     non_finite: usize,
     /// Finite points so far.
@@ -109,7 +109,7 @@ struct Survey {
     step: usize,
 }
 
-impl Survey {
+impl PlySurvey {
     fn new(rows: &VertexRows) -> Self {
         Self { whole: TableFacts::NONE, non_finite: 0, points: 0, sample: Vec::new(), step: step(rows.count) }
     }

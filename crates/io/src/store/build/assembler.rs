@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::super::octree::about::About;
 use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::metadata::{self, Metadata};
-use super::super::octree::nodes::{self, Extent, NODES};
+use super::super::octree::nodes::{self, NODES, NodeExtent};
 use super::super::octree::survey::{self, SURVEY, Surveyor};
 use super::super::octree::{HIERARCHY, POINTS};
 use super::checkpoint::{self, Checkpoint, Kept};
@@ -166,7 +166,7 @@ impl Assembler {
                 self.sample.write(&sample)?;
             }
             let points = (node.records.len() / self.rules.stride) as u32;
-            let extent = extent.map(|extent| Extent { offset, ..extent });
+            let extent = extent.map(|extent| NodeExtent { offset, ..extent });
             self.written.push(Written { cell: node.cell, offset, bytes: node.records.len() as u64, points, extent });
         }
         Ok(())
@@ -188,7 +188,7 @@ impl Assembler {
         self.points.sync()?;
         self.write_survey()?;
         self.kept.remove(&self.folder);
-        let extents: Vec<Extent> = self.written.iter().filter_map(|node| node.extent).collect();
+        let extents: Vec<NodeExtent> = self.written.iter().filter_map(|node| node.extent).collect();
         Sink::put(&self.folder.join(NODES), &[&nodes::write(&extents)])?;
         let hierarchy = hierarchy::write(&mut self.written);
         Sink::put(&self.folder.join(HIERARCHY), &[&hierarchy.bytes])?;

@@ -10,10 +10,10 @@ use super::cube::{Cell, Cube};
 use super::encode::encode;
 use super::feeder::{Feeder, remove};
 use super::input::{Input, Outside};
-use super::plan::Plan;
+use super::plan::ChunkPlan;
 use super::scatter::{self, Scatter};
 use super::state::{self, Assembled, Scattered, State};
-use super::survey::{Counts, Memory, Survey, survey};
+use super::survey::{BuildSurvey, Counts, Memory, survey};
 use super::target;
 use super::types::Types;
 use crate::Error;
@@ -135,7 +135,7 @@ impl Build<'_> {
     }
 
     /// The first pass.
-    fn survey(&mut self) -> Result<Survey, Error> {
+    fn survey(&mut self) -> Result<BuildSurvey, Error> {
         if let Some(survey) = &self.state.survey {
             return Ok(survey.clone());
         }
@@ -184,7 +184,7 @@ impl Build<'_> {
     ) -> Result<(Assembler, f64), Error> {
         let stem = self.work.join("chunk");
         if self.state.scattered.is_none() {
-            let plan = Plan::new(Cell::ROOT, &counts, memory.chunk_points);
+            let plan = ChunkPlan::new(Cell::ROOT, &counts, memory.chunk_points);
             let rounding = self.scatter(&stem, &plan, layout, memory)?;
             self.state.scattered = Some(Scattered { plan, rounding });
             // They are in the plan, and this is written after every chunk.
@@ -216,7 +216,7 @@ impl Build<'_> {
     }
 
     /// Distributes all points to files.
-    fn scatter(&self, stem: &Path, plan: &Plan, layout: &AttributeLayout, memory: Memory) -> Result<f64, Error> {
+    fn scatter(&self, stem: &Path, plan: &ChunkPlan, layout: &AttributeLayout, memory: Memory) -> Result<f64, Error> {
         self.progress.set_message("dividing the points");
         let mut scatter = Scatter::new(stem, plan, memory.bytes / 8)?;
         let mut rounding = 0.0_f64;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::integers;
-use super::super::octree::nodes::Extent;
+use super::super::octree::nodes::NodeExtent;
 use pellucid_core::cloud::field::range;
 use pellucid_core::cloud::gaussians::reach;
 
@@ -36,7 +36,7 @@ impl Ranges {
 
     /// Returns those of some records, and the box and largest radius or reach of their points; `None` without points.
     /// The offset is 0.
-    pub fn of(layout: &AttributeLayout, records: &[u8]) -> (Self, Option<Extent>) {
+    pub fn of(layout: &AttributeLayout, records: &[u8]) -> (Self, Option<NodeExtent>) {
         let mut ranges = Self::new(layout);
         if records.is_empty() {
             return (ranges, None);
@@ -71,6 +71,6 @@ impl Ranges {
                 number += 1;
             }
         }
-        (ranges, Some(Extent { offset: 0, largest_radius, corners }))
+        (ranges, Some(NodeExtent { offset: 0, largest_radius, corners }))
     }
 }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::keys::{Key, cut, parents};
-use super::las::{Survey, check_finite, no_points, read, summary};
+use super::las::{LasSurvey, check_finite, no_points, read, summary};
 use super::{Node, Piece, Store, Summary};
 use crate::las::{Chunk, LasFile, Traits};
 use crate::{Error, InputFile, LasColumns};
@@ -70,7 +70,7 @@ impl Copc {
             })
         });
         let nodes = nodes.collect::<Result<Vec<_>, Error>>()?;
-        let survey = Survey::of(&file, chunks.iter(), None)?;
+        let survey = LasSurvey::of(&file, chunks.iter(), None)?;
         let Some(bounds) = nodes.iter().map(|node| node.bounds).reduce(Bounds::union) else {
             return Err(no_points(&file));
         };

@@ -28,14 +28,14 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::keys::cut;
-use super::{Node, Piece, Store, Summary, Survey};
+use super::{Node, Piece, Store, StoreSurvey, Summary};
 use crate::{Error, InputFile, SharedFile};
 use attributes::Role;
 pub(crate) use decode::integers;
 use decode::{Decoder, full_scale, splats_of};
 use hierarchy::Listed;
 use metadata::{Checked, METADATA};
-use nodes::{Extent, NODES};
+use nodes::{NODES, NodeExtent};
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::reach;
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
@@ -150,7 +150,7 @@ impl Store for Octree {
         self.decode(node, &self.file.read(self.starts[node], self.nodes[node].bytes)?)
     }
 
-    fn survey(&self) -> Result<Option<Survey>, Error> {
+    fn survey(&self) -> Result<Option<StoreSurvey>, Error> {
         survey::read(self)
     }
 }
@@ -207,7 +207,7 @@ fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result
 }
 
 /// nodes.bin, if it is there.
-fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<Extent>>, Error> {
+fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<NodeExtent>>, Error> {
     if !is_ours || !folder.join(NODES).exists() {
         return Ok(None);
     }
@@ -220,7 +220,7 @@ fn nodes_of(
     folder: &Path,
     checked: &Checked,
     listed: &[Listed],
-    extents: Option<&[Extent]>,
+    extents: Option<&[NodeExtent]>,
 ) -> Result<Vec<Node>, Error> {
     let grown = |bounds: &Bounds| {
         let by = checked.grid.scale + ROUNDING * bounds.min.abs().max(bounds.max.abs());

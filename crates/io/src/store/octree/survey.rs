@@ -8,7 +8,7 @@ use super::attributes::{AttributeLayout, Role};
 use super::decode::{Decoder, full_scale, splats_of};
 use crate::Error;
 use crate::shared::SharedFile;
-use crate::store::{Grid, Survey};
+use crate::store::{Grid, StoreSurvey};
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::cloud::{Bounds, Cloud};
@@ -67,7 +67,7 @@ pub(crate) fn head(facts: &Facts) -> Result<Vec<u8>, serde_json::Error> {
 ///
 /// # Errors
 /// Returns an error if the survey can't be read, or can't be of this store.
-pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
+pub(super) fn read(octree: &Octree) -> Result<Option<StoreSurvey>, Error> {
     let folder: &Path = &octree.summary.path;
     if !octree.is_ours || !folder.join(SURVEY).exists() {
         return Ok(None);
@@ -102,5 +102,5 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     if sample.bounds().is_some_and(|bounds| !all.holds(&bounds)) {
         return Err(refused("it has points outside the octree"));
     }
-    Ok(Some(Survey { facts, sample }))
+    Ok(Some(StoreSurvey { facts, sample }))
 }
