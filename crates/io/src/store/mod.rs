@@ -35,7 +35,7 @@ use super::Error;
 pub use copc::Copc;
 pub use ept::Ept;
 pub use grid::Grid;
-pub use held::Held;
+pub use held::MemoryStore;
 pub use las::LasPieces;
 pub use octree::Octree;
 pub use open::{announced, has_levels, is_folder, open};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store, Summary};
+use super::{Copc, Ept, LasPieces, MemoryStore, Octree, PlyPieces, Store, Summary};
 use crate::las::LasFile;
 use crate::ply::{Vertices, is_prepared};
 use crate::{Error, Format, Hints, InputFile, NAMES_WITHOUT_EFFECT, load_with, splats};
@@ -114,7 +114,7 @@ fn is_ept(path: &Path) -> bool {
 }
 
 fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
-    Ok(Box::new(Held::new(path, load_with(path, hints, progress)?)?))
+    Ok(Box::new(MemoryStore::new(path, load_with(path, hints, progress)?)?))
 }
 
 /// A store that warns of hints that are for other files.
