@@ -21,7 +21,7 @@ pub(crate) const MAX_POINTS_PER_BYTE: u64 = 4096;
 
 /// The storage and the number of the points.
 #[derive(Debug)]
-pub(crate) struct Header {
+pub(crate) struct LasHeader {
     pub count: u64,
     pub record_len: usize,
     pub format: Format,
@@ -38,7 +38,7 @@ pub(crate) struct Header {
     pub copc: Option<Vec<u8>>,
 }
 
-impl Header {
+impl LasHeader {
     /// Returns the header's box with a step of the coordinates' grid around it, since many writers round it; `None` if
     /// it can be no box.
     pub fn claimed_bounds(&self) -> Option<Bounds> {
@@ -62,7 +62,7 @@ impl Header {
 }
 
 /// Reads and checks the header.
-pub(super) fn read(source: &mut InputFile) -> Result<Header, Error> {
+pub(super) fn read(source: &mut InputFile) -> Result<LasHeader, Error> {
     let raw = match decoder::guard(|| raw::Header::read_from(&mut source.reader)) {
         Ok(Ok(raw)) => raw,
         Ok(Err(las::Error::Io(e))) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
@@ -85,7 +85,7 @@ pub(super) fn read(source: &mut InputFile) -> Result<Header, Error> {
     let format = format(source, &raw)?;
     let vlrs = vlrs(source, &raw)?;
     let laz = if format.is_compressed { Some(laz_vlr(source, &vlrs)?) } else { None };
-    let header = Header {
+    let header = LasHeader {
         count,
         record_len: raw.point_data_record_length.into(),
         extra: extra::dimensions(&vlrs, format.extra_bytes),
@@ -166,7 +166,7 @@ pub(super) fn user_id(vlr: &raw::Vlr) -> &[u8] {
 }
 
 /// Compares the claimed number of points with the available bytes.
-fn check_claim(source: &InputFile, header: &Header) -> Result<(), Error> {
+fn check_claim(source: &InputFile, header: &LasHeader) -> Result<(), Error> {
     let left = source.len - header.start;
     let (possible, each) = match header.laz {
         Some(_) => (left.saturating_mul(MAX_POINTS_PER_BYTE), "compressed".to_owned()),

@@ -18,7 +18,7 @@ use super::store::Grid;
 use super::{Error, InputFile, LasColumns, SharedFile, memory};
 pub(super) use chunks::Chunk;
 pub(super) use columns::Columns;
-pub(super) use header::{Header, MAX_POINTS_PER_BYTE};
+pub(super) use header::{LasHeader, MAX_POINTS_PER_BYTE};
 use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::progress::Progress;
 pub(super) use traits::Traits;
@@ -38,7 +38,7 @@ pub(super) fn read(source: InputFile, asked: LasColumns, progress: &Progress) ->
 #[derive(Debug)]
 pub(super) struct LasFile {
     pub file: SharedFile,
-    pub header: Header,
+    pub header: LasHeader,
     /// The runs of points in the file's order; together they hold as many as the header says.
     pub chunks: Vec<Chunk>,
     pub asked: LasColumns,

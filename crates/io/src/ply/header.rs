@@ -13,7 +13,7 @@ pub(super) use ply_rs_bw::ply::ScalarType;
 const MAX_HEADER: u64 = 1 << 20;
 
 /// The parsed header.
-pub(super) struct Header {
+pub(super) struct PlyHeader {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
     /// Bytes up to and including the line `end_header`.
@@ -54,7 +54,7 @@ pub(super) fn size(scalar: &ScalarType) -> u64 {
 }
 
 /// Reads the header and leaves the source at the first byte after it.
-pub(super) fn read(source: &mut InputFile) -> Result<Header, Error> {
+pub(super) fn read(source: &mut InputFile) -> Result<PlyHeader, Error> {
     let mut tidy = Tidy::default();
     let mut len = 0;
     let mut line = Vec::new();
@@ -83,7 +83,7 @@ pub(super) fn read(source: &mut InputFile) -> Result<Header, Error> {
         source.malformed(place, found.map_or(message.clone(), |found| format!("{message} Found `{found}`")))
     })?;
     let Tidy { names, lines, comments, .. } = tidy;
-    Ok(Header { encoding: parsed.encoding, elements: names.restore(parsed), len, lines, comments })
+    Ok(PlyHeader { encoding: parsed.encoding, elements: names.restore(parsed), len, lines, comments })
 }
 
 /// The header as the parser likes it, line by line the same.

@@ -33,7 +33,7 @@ use ply_rs_bw::ply::Encoding;
 use super::columns::{Column, FullScale, PointTable, RowLayout};
 use super::{Error, InputFile, PROGRESS_STEP, memory};
 use compressed::Compressed;
-use header::{Element, Header, PlyType};
+use header::{Element, PlyHeader, PlyType};
 use pellucid_core::cloud::Cloud;
 pub(super) use prepared::is_prepared;
 pub(super) use rows::VertexRows;
@@ -119,7 +119,7 @@ impl Vertices {
 /// Vertices that are read one by one.
 pub(super) struct Records {
     source: InputFile,
-    header: Header,
+    header: PlyHeader,
     at: usize,
     splats: Option<Box<SplatColumns>>,
     layout: RowLayout,

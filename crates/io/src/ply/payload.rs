@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, ErrorKind, Read};
 
-use super::header::{Element, Header, PlyType, ScalarType, size};
+use super::header::{Element, PlyHeader, PlyType, ScalarType, size};
 use crate::number::number;
 use crate::{Error, InputFile};
 
@@ -122,7 +122,7 @@ pub(super) struct Lines {
 
 impl Lines {
     /// Starts at the line after the header.
-    pub fn after_header(header: &Header) -> Self {
+    pub fn after_header(header: &PlyHeader) -> Self {
         Self { line: Vec::new(), number: header.lines }
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use ply_rs_bw::ply::Encoding;
 
-use super::header::{Element, Header, PlyType, ScalarType, size};
+use super::header::{Element, PlyHeader, PlyType, ScalarType, size};
 use super::payload::{self, column};
 use crate::columns::{PointTable, RowBlock, RowLayout};
 use crate::{Error, InputFile, SharedFile};
@@ -29,14 +29,14 @@ pub(crate) struct VertexRows {
 }
 
 /// Returns `true` if the element's records are rows of one size in a binary file.
-pub(super) fn are_rows(header: &Header, element: &Element) -> bool {
+pub(super) fn are_rows(header: &PlyHeader, element: &Element) -> bool {
     header.encoding != Encoding::Ascii && element.properties.iter().all(|property| property.kind.scalar().is_some())
 }
 
 impl VertexRows {
     /// Returns the rows of an element for which [`are_rows`] holds, from a source that stands behind the header and
     /// whose claims are checked.
-    pub(super) fn find(mut source: InputFile, header: &Header, at: usize, layout: RowLayout) -> Result<Self, Error> {
+    pub(super) fn find(mut source: InputFile, header: &PlyHeader, at: usize, layout: RowLayout) -> Result<Self, Error> {
         let little_endian = header.encoding == Encoding::BinaryLittleEndian;
         let binary = payload::Binary { little_endian };
         for element in &header.elements[..at] {
