@@ -53,12 +53,12 @@ pub struct Points {
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
     /// Facts about the scene, if these points only stand for more of them.
-    pub whole: Option<Arc<Whole>>,
+    pub whole: Option<Arc<WholeScene>>,
 }
 
 /// Facts about all points of a scene that are not in one list.
 #[derive(Debug, Clone)]
-pub struct Whole {
+pub struct WholeScene {
     /// Number of points, with those that are not drawn.
     pub count: u64,
     /// The box around all of them, in world coordinates.
@@ -100,7 +100,7 @@ impl WholeSplats {
     }
 }
 
-impl PartialEq for Whole {
+impl PartialEq for WholeScene {
     fn eq(&self, other: &Self) -> bool {
         self.identity == other.identity
     }

@@ -73,7 +73,7 @@ enum Action {
 }
 
 #[derive(Debug)]
-struct Plan {
+struct FaultPlan {
     action: Action,
     point: String,
     /// Passes of the point at which the action happens, counted from 1, in ascending order.
@@ -81,7 +81,7 @@ struct Plan {
     passed: AtomicU64,
 }
 
-impl Plan {
+impl FaultPlan {
     fn parse(text: &str) -> Option<Self> {
         let (action, place) = text.split_once('@')?;
         let (point, at) = place.split_once(':').unwrap_or((place, "1"));
@@ -113,15 +113,15 @@ impl Plan {
 }
 
 /// The plan given by the environment. A misspelled plan is an error, because its test would pass otherwise.
-fn plan() -> Option<&'static Plan> {
+fn plan() -> Option<&'static FaultPlan> {
     if !cfg!(debug_assertions) {
         return None;
     }
-    static PLAN: OnceLock<Option<Plan>> = OnceLock::new();
+    static PLAN: OnceLock<Option<FaultPlan>> = OnceLock::new();
     let read = || {
         let text = std::env::var(VARIABLE).ok()?;
         Some(
-            Plan::parse(&text)
+            FaultPlan::parse(&text)
                 .unwrap_or_else(|| panic!("{VARIABLE}={text}: no such fault; crates/fault/src/lib.rs lists them")),
         )
     };
@@ -173,17 +173,17 @@ mod tests {
 
     #[test]
     fn a_fault_is_due_once_and_where_it_was_asked_for() {
-        let plan = Plan::parse("disk-full@output/byte:10").unwrap();
+        let plan = FaultPlan::parse("disk-full@output/byte:10").unwrap();
         assert_eq!(plan.action, Action::DiskFull);
         assert_eq!(plan.due("output/rename", 100), None);
         assert_eq!([9, 5, 100].map(|units| plan.due("output/byte", units)), [None, Some(0), None]);
-        let first = Plan::parse("kill@submit").unwrap();
+        let first = FaultPlan::parse("kill@submit").unwrap();
         assert_eq!([1, 1].map(|units| first.due("submit", units)), [Some(0), None]);
-        let again = Plan::parse("device-lost@wait:2,4").unwrap();
+        let again = FaultPlan::parse("device-lost@wait:2,4").unwrap();
         assert_eq!([1, 1, 1, 1, 1].map(|units| again.due("wait", units)), [None, Some(0), None, Some(0), None]);
         let wrong = ["", "kill", "kill@nowhere", "kill@submit:0", "kill@submit:x", "burn@submit", "kill@submit:3,3"];
         for wrong in wrong {
-            assert!(Plan::parse(wrong).is_none(), "{wrong}");
+            assert!(FaultPlan::parse(wrong).is_none(), "{wrong}");
         }
     }
 }

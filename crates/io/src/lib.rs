@@ -279,7 +279,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
         let path = path.join(splats::META);
         return load_with(&path, hints, progress);
     }
-    let mut source = Source::open(path)?;
+    let mut source = InputFile::open(path)?;
     let start = source.peek()?;
     let path = source.path.clone();
     let format = Format::detect(&source, &start);
@@ -321,13 +321,13 @@ enum Format {
     E57,
     Pcd,
     Splats(splats::Reader),
-    Text(text::Kind),
+    Text(text::TextFormat),
 }
 
 impl Format {
     /// The format of a file with these first bytes: by the bytes, else by the extension, else a table if it contains
     /// numbers.
-    fn detect(source: &Source, start: &[u8]) -> Result<Self, Error> {
+    fn detect(source: &InputFile, start: &[u8]) -> Result<Self, Error> {
         let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         if let Some(reader) = splats::reader(&source.path, &extension, start) {
             return Ok(Self::Splats(reader));
@@ -348,9 +348,9 @@ impl Format {
             "sog" => "PK",
             "glb" => "glTF",
             "gltf" => "{",
-            other => match text::Kind::of_extension(other) {
+            other => match text::TextFormat::of_extension(other) {
                 Some(kind) => return Ok(Self::Text(kind)),
-                None if text::looks_like_one(start) => return Ok(Self::Text(text::Kind::Table)),
+                None if text::looks_like_one(start) => return Ok(Self::Text(text::TextFormat::Table)),
                 None => "",
             },
         };
@@ -367,18 +367,18 @@ pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")
         || splats::has_extension(&extension)
-        || text::Kind::of_extension(&extension).is_some()
+        || text::TextFormat::of_extension(&extension).is_some()
 }
 
 /// An open file with what error messages and size checks need.
-struct Source {
+struct InputFile {
     reader: BufReader<File>,
     path: PathBuf,
     /// Length in bytes.
     len: u64,
 }
 
-impl Source {
+impl InputFile {
     fn open(path: &Path) -> Result<Self, Error> {
         let (owned, failed) = (path.to_path_buf(), Error::opening(path));
         let file = File::open(path).map_err(&failed)?;

@@ -14,7 +14,7 @@ pub(super) fn number(word: &str) -> Option<f64> {
 /// The type of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum NumberType {
     /// −128 to 127.
     Int8,
     /// 16 bits with a sign.
@@ -48,7 +48,7 @@ pub(crate) enum Class {
     Float,
 }
 
-impl Kind {
+impl NumberType {
     /// Returns the type of a class with so many bytes; `None` if there is none.
     pub(crate) fn of(class: Class, bytes: usize) -> Option<Self> {
         let kinds = match class {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::{Error, Source};
+use super::{Error, InputFile};
 
 /// An open file without a position of its own.
 #[derive(Debug)]
@@ -18,7 +18,7 @@ pub(super) struct SharedFile {
 impl SharedFile {
     /// Opens a file that isn't empty.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        Source::open(path).map(Self::from)
+        InputFile::open(path).map(Self::from)
     }
 
     pub fn path(&self) -> &Path {
@@ -54,8 +54,8 @@ impl SharedFile {
     }
 }
 
-impl From<Source> for SharedFile {
-    fn from(source: Source) -> Self {
+impl From<InputFile> for SharedFile {
+    fn from(source: InputFile) -> Self {
         Self { file: source.reader.into_inner(), path: source.path, len: source.len }
     }
 }
@@ -90,7 +90,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ten");
         std::fs::write(&path, b"0123456789").unwrap();
-        let file = SharedFile::from(Source::open(&path).unwrap());
+        let file = SharedFile::from(InputFile::open(&path).unwrap());
         assert_eq!(file.read(3, 4).unwrap(), b"3456");
         assert_eq!(file.read(10, 0).unwrap(), b"");
         for (start, bytes) in [(3, 8), (0, u64::MAX), (u64::MAX, 1), (11, 0)] {

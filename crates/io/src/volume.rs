@@ -5,24 +5,24 @@ use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
-use super::number::Kind;
-use super::{Error, Source};
+use super::number::NumberType;
+use super::{Error, InputFile};
 
 /// The type of a volume's numbers, little-endian: `uint8`, `int8`, `uint16`, `int16`, `uint32`, `int32`, `float32` or
 /// `float64`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Scalar(Kind);
+pub struct Scalar(NumberType);
 
 /// All of them with their names.
-const SCALARS: [(&str, Kind); 8] = [
-    ("uint8", Kind::Uint8),
-    ("int8", Kind::Int8),
-    ("uint16", Kind::Uint16),
-    ("int16", Kind::Int16),
-    ("uint32", Kind::Uint32),
-    ("int32", Kind::Int32),
-    ("float32", Kind::Float),
-    ("float64", Kind::Double),
+const SCALARS: [(&str, NumberType); 8] = [
+    ("uint8", NumberType::Uint8),
+    ("int8", NumberType::Int8),
+    ("uint16", NumberType::Uint16),
+    ("int16", NumberType::Int16),
+    ("uint32", NumberType::Uint32),
+    ("int32", NumberType::Int32),
+    ("float32", NumberType::Float),
+    ("float64", NumberType::Double),
 ];
 
 impl Scalar {
@@ -82,7 +82,7 @@ pub struct Volume {
 /// # Errors
 /// The file is missing or empty; its name lacks the omitted parameters; its size doesn't match; too little memory.
 pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<Volume, Error> {
-    let mut source = Source::open(path)?;
+    let mut source = InputFile::open(path)?;
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
     let parts = || name.rsplit('_');
     let unknown = |option: &str| {
@@ -110,7 +110,7 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
 }
 
 /// All numbers of a file whose size is a multiple of theirs.
-fn values(source: &mut Source, scalar: Scalar) -> Result<Vec<f32>, Error> {
+fn values(source: &mut InputFile, scalar: Scalar) -> Result<Vec<f32>, Error> {
     let count = source.len / scalar.bytes() as u64;
     let bytes = count.saturating_mul(4);
     let cause = || format!("{count} numbers need {bytes} bytes, more than can be allocated");
@@ -168,7 +168,7 @@ mod tests {
     fn names_say_what_options_don_t() {
         let (_folder, path) = file("a_b_3x2x2_int16.raw", &[0; 24]);
         assert_eq!(read(&path, None, None).unwrap().dims, [3, 2, 2]);
-        assert_eq!(read(&path, Some(Dims([2, 3, 4])), Some(Scalar(Kind::Uint8))).unwrap().dims, [2, 3, 4]);
+        assert_eq!(read(&path, Some(Dims([2, 3, 4])), Some(Scalar(NumberType::Uint8))).unwrap().dims, [2, 3, 4]);
     }
 
     #[test]

@@ -52,7 +52,7 @@ use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
 
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_gpu::DeviceOptions;
 use pellucid_scene::View;
 
@@ -75,7 +75,7 @@ pub struct Options {
     /// Milliseconds that a frame should take while things move.
     pub budget_ms: f64,
     /// Cameras whose keys the window begins with, and the file that they are from.
-    pub path: Option<(PathBuf, Source)>,
+    pub path: Option<(PathBuf, CameraSource)>,
 }
 
 /// Reason why there is no window.

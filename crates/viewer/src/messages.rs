@@ -8,7 +8,7 @@ use crate::draft::Effort;
 use crate::navigate::{Pose, Subject};
 use crate::statistics::{FieldFacts, Statistics};
 use pellucid_core::camera::Camera;
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::CameraPath;
 use pellucid_engine::Error;
 use pellucid_engine::methods::{Facts, FrameProfile};
@@ -130,7 +130,7 @@ pub enum News {
     /// Statistics of the clouds, in the scene's order.
     Clouds(Arc<[Statistics]>),
     /// Cameras were read from this file.
-    Cameras(PathBuf, Box<Source>),
+    Cameras(PathBuf, Box<CameraSource>),
     /// The error of the pictures of the view with this serial against the exact one.
     Measured(u64, Accuracy),
     /// The task of this serial was stopped in favor of a later one.

@@ -19,7 +19,7 @@ use super::statistics::Statistics;
 use super::times::Times;
 use crate::{Error, Result};
 use pellucid_core::camera::Projection;
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_scene::{Document, Scene, Setting, View};
 
 mod due;
@@ -131,7 +131,7 @@ pub struct Model {
     /// The path of key frames.
     pub route: Route,
     /// A file of cameras that waits for the first picture.
-    arriving: Option<(PathBuf, Source)>,
+    arriving: Option<(PathBuf, CameraSource)>,
     /// The dialog for files.
     pub dialog: Dialog,
     /// Files that are being read or written.

@@ -17,7 +17,7 @@ use super::navigate::Pose;
 use super::save;
 use super::sources::{Opened, statistics};
 use super::stage::{Stage, TakenPicture};
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path;
 use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::{Error, Result};
@@ -408,7 +408,7 @@ impl Work {
 
 /// Reads cameras; reports which content was expected if the file has none.
 fn cameras(file: &Path) -> News {
-    match Source::read(file) {
+    match CameraSource::read(file) {
         Ok(source) => News::Cameras(file.to_owned(), Box::new(source)),
         Err(error @ path::Error::Read { .. }) => News::Failed(0, error.to_string()),
         Err(error) => News::Failed(

@@ -4,7 +4,7 @@ use std::fs;
 
 use glam::DVec3;
 use pellucid_core::camera::Projection;
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::{Curve, Defaults, Pose};
 
 /// The first byte: `t`, `b` a COLMAP model as text or binary files, whose two files are parted by the first line `--`;
@@ -20,11 +20,11 @@ pub fn path(input: &[u8]) {
             let ending = if *kind == b't' { "txt" } else { "bin" };
             write(&format!("cameras.{ending}"), cameras);
             write(&format!("images.{ending}"), images);
-            Source::read(folder.path())
+            CameraSource::read(folder.path())
         }
         _ => {
             write("path.json", content);
-            Source::read(&folder.path().join("path.json"))
+            CameraSource::read(&folder.path().join("path.json"))
         }
     };
     let Ok(source) = read else { return };

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pellucid_core::camera::Camera;
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::{self, Curve, Pose};
 use pellucid_core::cloud::UpAxis;
 use pellucid_core::points::Points;
@@ -38,7 +38,7 @@ pub struct PathArgs {
 /// Source of the cameras.
 pub enum Along {
     /// Key frames of a file, at so many equally spaced times, or at the keys.
-    Keys { path: PathBuf, source: Source, frames: Option<usize> },
+    Keys { path: PathBuf, source: CameraSource, frames: Option<usize> },
     /// Number of steps of a turn around the scene.
     Turn { frames: usize },
 }
@@ -60,7 +60,7 @@ impl PathArgs {
             if input.view.view().is_given() {
                 console.warn("--view, --azimuth and --elevation have no effect with --path");
             }
-            let source = Source::read(path)?;
+            let source = CameraSource::read(path)?;
             source.warnings().iter().for_each(|warning| console.warn(warning));
             return Ok(Some(Along::Keys { path: path.clone(), source, frames }));
         }
@@ -76,7 +76,7 @@ impl Along {
     /// True if the first frame follows the last.
     pub fn is_closed(&self) -> bool {
         match self {
-            Self::Keys { source, .. } => matches!(source, Source::Path(path) if path.closed),
+            Self::Keys { source, .. } => matches!(source, CameraSource::Path(path) if path.closed),
             Self::Turn { .. } => true,
         }
     }

@@ -9,7 +9,7 @@ use pellucid_engine::methods::{self, Frame, Renderer, deep};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
-use pellucid_io::output::deep::{Layout, Numbers, Packing, State, Writer, Written};
+use pellucid_io::output::deep::{DeepLayout, Numbers, Packing, State, Writer, Written};
 use pellucid_io::output::{self, room};
 use pellucid_scene::MethodChoice;
 use pellucid_session::{Prepared, Session, Uploaded};
@@ -107,11 +107,11 @@ pub fn run(
     Ok(())
 }
 
-fn layout(DeepFormat { state, numbers, packing }: DeepFormat, session: &Session) -> Layout {
+fn layout(DeepFormat { state, numbers, packing }: DeepFormat, session: &Session) -> DeepLayout {
     let mut metadata = session.prepared.metadata(session.frame.method.name(), &session.device.info().name);
     let found = session.found.map(|found| found.json(&session.scene().clouds));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
-    Layout {
+    DeepLayout {
         size: session.frame.size,
         state,
         numbers,
@@ -124,7 +124,7 @@ fn layout(DeepFormat { state, numbers, packing }: DeepFormat, session: &Session)
 /// Renders into the file, which appears whole or not at all.
 fn write(
     output: &Path,
-    layout: &Layout,
+    layout: &DeepLayout,
     (renderer, cloud, frame, device): (&mut Renderer, &mut DeviceCloud, &Frame, &Device),
 ) -> Result<Written> {
     let mut written = None;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_gpu::DeviceOptions;
 use pellucid_viewer::{Display, Opened, Options};
 
@@ -46,7 +46,7 @@ pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
     // Before anything is read: without a display that would be in vain.
     let display = Display::connect()?;
     let ViewArgs { input, device, path, budget } = args;
-    let cameras = path.as_deref().map(Source::read).transpose().map_err(pellucid_engine::Error::from)?;
+    let cameras = path.as_deref().map(CameraSource::read).transpose().map_err(pellucid_engine::Error::from)?;
     let progress = console.progress();
     let (named, request) = input.named(None, &progress, console)?;
     let host_memory = request.limits.memory;

@@ -25,13 +25,13 @@ pub type Writer = BufWriter<Draft>;
 /// A file in the making.
 #[derive(Debug)]
 pub struct Draft {
-    place: Place,
+    place: Destination,
     /// The first error of the system. Encoders wrap errors, which would hide the cause.
     failure: Option<io::Error>,
 }
 
 #[derive(Debug)]
-enum Place {
+enum Destination {
     Temporary(Temporary),
     /// Anything but a regular file, such as `/dev/null` or a pipe, keeps its name and is written to directly.
     Direct(File),
@@ -41,10 +41,10 @@ impl Draft {
     fn open(path: &Path) -> io::Result<Self> {
         let place = match fs::metadata(path) {
             Ok(found) if found.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-            Ok(found) if !found.is_file() => Place::Direct(OpenOptions::new().write(true).open(path)?),
+            Ok(found) if !found.is_file() => Destination::Direct(OpenOptions::new().write(true).open(path)?),
             _ => {
                 fault::file("output/create")?;
-                Place::Temporary(Temporary::make(folder(path))?)
+                Destination::Temporary(Temporary::make(folder(path))?)
             }
         };
         Ok(Self { place, failure: None })
@@ -52,8 +52,8 @@ impl Draft {
 
     fn file(&mut self) -> &mut File {
         match &mut self.place {
-            Place::Temporary(temporary) => temporary.file(),
-            Place::Direct(file) => file,
+            Destination::Temporary(temporary) => temporary.file(),
+            Destination::Direct(file) => file,
         }
     }
 
@@ -139,7 +139,7 @@ impl Staged {
     /// # Errors
     /// Errors of the system; the earlier file then remains.
     pub fn publish(self, path: &Path) -> io::Result<()> {
-        let Place::Temporary(temporary) = self.0.place else { return Ok(()) };
+        let Destination::Temporary(temporary) = self.0.place else { return Ok(()) };
         fault::file("output/rename")?;
         temporary.persist(path)?;
         fault::file("output/renamed")

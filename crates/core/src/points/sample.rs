@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Points, Spheres, Unseen, Whole, WholeSplats};
+use super::{Points, Spheres, Unseen, WholeScene, WholeSplats};
 use crate::cloud::Bounds;
 use crate::cloud::sampling::Sampling;
 
@@ -96,7 +96,7 @@ impl Points {
     pub fn standing_for(self, known: &Known, identity: String) -> Self {
         let Known { count, bounds, largest_radius, brightest, is_transparent, splats } = *known;
         let spheres = Arc::new(Elsewhere);
-        let whole = Whole { count, bounds, largest_radius, brightest, is_transparent, identity, splats, spheres };
+        let whole = WholeScene { count, bounds, largest_radius, brightest, is_transparent, identity, splats, spheres };
         Self { whole: Some(Arc::new(whole)), ..self }
     }
 }

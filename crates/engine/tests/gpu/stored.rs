@@ -9,7 +9,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_io::store::build::Settings;
-use pellucid_io::store::{Held, Store};
+use pellucid_io::store::{MemoryStore, Store};
 use pellucid_scene::prepare::{self, Arranged, Request};
 use pellucid_scene::stored::{Stored, open_stores};
 use pellucid_scene::{self as scene, Method, Overrides, Scene};
@@ -61,7 +61,7 @@ fn store(folder: &Path, name: &str, cloud: Cloud) -> PathBuf {
 /// A store of a cloud with other settings than [`TIGHT`].
 fn store_of(folder: &Path, name: &str, cloud: Cloud, settings: &Settings) -> PathBuf {
     let target = folder.join(name);
-    let input = [Box::new(Held::new(Path::new("memory"), cloud).unwrap()) as Box<dyn Store>];
+    let input = [Box::new(MemoryStore::new(Path::new("memory"), cloud).unwrap()) as Box<dyn Store>];
     prepare::store::prepare(&input, &target, &Request::default(), settings, &Progress::hidden()).unwrap();
     target
 }

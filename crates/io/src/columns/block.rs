@@ -1,19 +1,19 @@
 //! Some rows of a table, column by column: what is done to all values of a column is decided once.
 
-use super::Layout;
+use super::RowLayout;
 
 /// Rows of a block at most: its columns stay in the processor's cache.
 const ROWS: usize = 1024;
 
 /// Some rows of a table.
-pub(crate) struct Block {
+pub(crate) struct RowBlock {
     /// [`ROWS`] values of each column.
     values: Vec<f64>,
     columns: usize,
     len: usize,
 }
 
-impl Block {
+impl RowBlock {
     /// Rows of a block at most.
     pub const ROWS: usize = ROWS;
 
@@ -43,7 +43,7 @@ impl Block {
     }
 
     /// Leaves rows out whose positions are not finite; their places are returned.
-    pub fn keep_finite(&mut self, layout: &Layout) -> Vec<usize> {
+    pub fn keep_finite(&mut self, layout: &RowLayout) -> Vec<usize> {
         let is_odd = |row: &usize| layout.position(|column| self.value(*row, column)).is_none();
         let odd: Vec<usize> = (0..self.len).filter(is_odd).collect();
         if odd.is_empty() {

@@ -12,7 +12,7 @@ const UNIT_TOLERANCE: f32 = 1e-6;
 
 /// The places of a table's columns in its rows.
 #[derive(Debug)]
-pub(crate) struct Layout {
+pub(crate) struct RowLayout {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
     color: Option<[Channel; 3]>,
@@ -24,7 +24,7 @@ pub(crate) struct Layout {
     scalars: Vec<(usize, String)>,
 }
 
-impl Layout {
+impl RowLayout {
     /// Finds the columns of a table; fails with the coordinate that is missing.
     pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
         let mut names = Names::new(columns);

@@ -6,13 +6,13 @@ mod layout;
 mod rows;
 mod table;
 
-pub(super) use block::Block;
+pub(super) use block::RowBlock;
 pub(super) use join::{taken, taken_optional};
-pub(super) use layout::Layout;
+pub(super) use layout::RowLayout;
 pub use layout::unit_or_zero;
 pub(super) use ply_rs_bw::ply::ScalarType;
-pub(super) use rows::Rows;
-pub(super) use table::{Table, Whole};
+pub(super) use rows::RowRun;
+pub(super) use table::{PointTable, TableFacts};
 
 use pellucid_core::cloud::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
 
@@ -49,15 +49,15 @@ pub(super) enum FullScale {
 
 /// Columns that grow row by row.
 pub(super) struct Columns {
-    layout: Layout,
-    table: Table,
+    layout: RowLayout,
+    table: PointTable,
 }
 
 impl Columns {
     /// Finds the columns of a table; fails with the coordinate that is missing.
     pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
-        let layout = Layout::new(columns, full_scale)?;
-        let table = Table::new(&layout, 0);
+        let layout = RowLayout::new(columns, full_scale)?;
+        let table = PointTable::new(&layout, 0);
         Ok(Self { layout, table })
     }
 

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-use super::{Block, Layout, Table};
+use super::{PointTable, RowBlock, RowLayout};
 
-/// A run of rows of a [`Table`], in all of its columns.
-pub(crate) struct Rows<'a> {
+/// A run of rows of a [`PointTable`], in all of its columns.
+pub(crate) struct RowRun<'a> {
     positions: &'a mut [DVec3],
     colors: Option<&'a mut [Vec3]>,
     alphas: Option<&'a mut [f32]>,
@@ -18,9 +18,9 @@ pub(crate) struct Rows<'a> {
     scalars: Vec<&'a mut [f32]>,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> RowRun<'a> {
     /// Returns the rows of a table in runs of this length; the last may be shorter.
-    pub(super) fn of(table: &'a mut Table, run: usize) -> Vec<Self> {
+    pub(super) fn of(table: &'a mut PointTable, run: usize) -> Vec<Self> {
         fn runs<T>(column: &mut Option<Vec<T>>, run: usize) -> Option<std::slice::ChunksMut<'_, T>> {
             column.as_mut().map(|column| column.chunks_mut(run))
         }
@@ -53,7 +53,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Writes the rows of a block, whose positions are finite, to a place.
-    pub fn put(&mut self, layout: &Layout, at: usize, block: &Block) {
+    pub fn put(&mut self, layout: &RowLayout, at: usize, block: &RowBlock) {
         fn set<T>(column: &mut Option<&mut [T]>, places: Range<usize>, value: impl Fn(usize) -> Option<T>) {
             let Some(column) = column else { return };
             for (row, to) in column[places].iter_mut().enumerate() {

@@ -4,12 +4,12 @@ use bytemuck::allocation::zeroed_vec;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Layout, Rows, taken, taken_optional};
+use super::{RowLayout, RowRun, taken, taken_optional};
 use crate::channel;
 use pellucid_core::cloud::Cloud;
 
 /// The columns of some rows of a table.
-pub(crate) struct Table {
+pub(crate) struct PointTable {
     pub(super) cloud: Cloud,
     /// Values of the column that is a classification if they are codes.
     pub(super) codes: Option<Vec<f32>>,
@@ -18,7 +18,7 @@ pub(crate) struct Table {
 /// Does the same to every column of a table.
 macro_rules! each_column {
     ($table:expr, |$column:ident| $what:expr) => {{
-        let Table { cloud, codes } = $table;
+        let PointTable { cloud, codes } = $table;
         let $column = &mut cloud.positions;
         $what;
         cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|$column| $what);
@@ -29,7 +29,7 @@ macro_rules! each_column {
 
 /// Facts that only all rows of a table tell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Whole {
+pub(crate) struct TableFacts {
     /// Some normal has a direction.
     pub directed: bool,
     /// All values of the classification are codes from 0 to 255.
@@ -38,7 +38,7 @@ pub(crate) struct Whole {
     largest: [Option<f32>; 2],
 }
 
-impl Whole {
+impl TableFacts {
     /// Facts about a table without rows.
     pub const NONE: Self = Self { directed: false, codes: true, largest: [None; 2] };
 
@@ -57,9 +57,9 @@ impl Whole {
     }
 }
 
-impl Table {
+impl PointTable {
     /// Returns columns of so many rows, all zero. Memory is taken as they are written.
-    pub fn new(layout: &Layout, rows: usize) -> Self {
+    pub fn new(layout: &RowLayout, rows: usize) -> Self {
         let codes = layout.classification.as_ref().map(|_| Vec::new());
         let mut table = Self { cloud: layout.empty(), codes };
         each_column!(&mut table, |column| *column = zeroed_vec(rows));
@@ -73,7 +73,7 @@ impl Table {
 
     /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
     /// parts is gone once it is joined.
-    pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
+    pub fn join(layout: &RowLayout, mut parts: Vec<Self>) -> Self {
         let (empty, parts) = (Self::new(layout, 0), parts.as_mut_slice());
         let Some(first) = parts.first() else { return empty };
         let scalars =
@@ -93,7 +93,7 @@ impl Table {
     }
 
     /// Adds a row, or counts it if its position is not finite.
-    pub fn push(&mut self, layout: &Layout, row: &[f64]) {
+    pub fn push(&mut self, layout: &RowLayout, row: &[f64]) {
         fn add<T>(column: &mut Option<Vec<T>>, value: Option<T>) {
             if let (Some(column), Some(value)) = (column, value) {
                 column.push(value);
@@ -123,9 +123,9 @@ impl Table {
     pub fn fill<E: Send>(
         &mut self,
         run: usize,
-        write: impl Fn(usize, &mut Rows) -> Result<Vec<u64>, E> + Sync,
+        write: impl Fn(usize, &mut RowRun) -> Result<Vec<u64>, E> + Sync,
     ) -> Result<Vec<u64>, E> {
-        let runs = Rows::of(self, run).into_par_iter().enumerate();
+        let runs = RowRun::of(self, run).into_par_iter().enumerate();
         let written = runs.map(|(at, mut rows)| {
             let left_out = write(at * run, &mut rows)?;
             Ok((rows.len() - left_out.len(), left_out))
@@ -150,14 +150,14 @@ impl Table {
     }
 
     /// Returns what these rows tell of all.
-    pub fn whole(&self, layout: &Layout) -> Whole {
+    pub fn whole(&self, layout: &RowLayout) -> TableFacts {
         let cloud = &self.cloud;
         let [colors, alphas] = layout.measures();
         let largest = |values: &[f32]| channel::largest(values.par_iter().copied());
         let largest_color = || largest(bytemuck::cast_slice(cloud.colors.as_deref().unwrap_or_default()));
         let largest_alpha = || largest(cloud.alphas.as_deref().unwrap_or_default());
         let is_code = |code: &f32| (0.0..=255.0).contains(code) && code.fract() == 0.0;
-        Whole {
+        TableFacts {
             directed: cloud.normals.as_deref().unwrap_or_default().par_iter().any(|&n| n != Vec3::ZERO),
             codes: self.codes.as_deref().unwrap_or_default().par_iter().all(is_code),
             largest: [colors.then(largest_color).flatten(), alphas.then(largest_alpha).flatten()],
@@ -165,14 +165,14 @@ impl Table {
     }
 
     /// Returns the cloud of all rows of a table.
-    pub fn into_cloud(self, layout: &Layout) -> Cloud {
+    pub fn into_cloud(self, layout: &RowLayout) -> Cloud {
         let whole = self.whole(layout);
         self.finish(layout, &whole)
     }
 
     /// Returns the cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that
     /// are all zero are dropped.
-    pub fn finish(self, layout: &Layout, whole: &Whole) -> Cloud {
+    pub fn finish(self, layout: &RowLayout, whole: &TableFacts) -> Cloud {
         let mut cloud = self.cloud;
         if let (Some(codes), Some((_, name))) = (self.codes, &layout.classification) {
             if whole.codes {
@@ -207,12 +207,12 @@ fn compact<T: Copy>(column: &mut Vec<T>, run: usize, kept: &[usize]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Block, Column, FullScale, ScalarType};
+    use super::super::{Column, FullScale, RowBlock, ScalarType};
     use super::*;
 
-    fn layout(names: &[&str]) -> Layout {
+    fn layout(names: &[&str]) -> RowLayout {
         let columns: Vec<Column> = names.iter().map(|name| Column::new(*name, ScalarType::Float)).collect();
-        Layout::new(&columns, FullScale::Measured).unwrap()
+        RowLayout::new(&columns, FullScale::Measured).unwrap()
     }
 
     /// Rows filled in runs are those that are pushed one by one, and those that are not finite are in neither.
@@ -227,12 +227,12 @@ mod tests {
         };
         let rows: Vec<[f64; 14]> = (0..103).map(|row| std::array::from_fn(|at| number(row, at))).collect();
         assert_eq!(layout.bytes(), 24 + 2 * 12 + 5 * 4);
-        let mut pushed = Table::new(&layout, 0);
+        let mut pushed = PointTable::new(&layout, 0);
         rows.iter().for_each(|row| pushed.push(&layout, row));
         for run in [1, 10, 103, 200] {
-            let mut filled = Table::new(&layout, rows.len());
+            let mut filled = PointTable::new(&layout, rows.len());
             let left_out = filled.fill(run, |first, to| {
-                let mut block = Block::new(14);
+                let mut block = RowBlock::new(14);
                 let (mut kept, mut left_out) = (0, Vec::new());
                 for (number, some) in rows[first..first + to.len()].chunks(7).enumerate() {
                     block.set_len(some.len());
@@ -250,12 +250,12 @@ mod tests {
             assert_eq!(filled.cloud.non_finite, 19);
         }
         let parts = rows.chunks(40).map(|rows| {
-            let mut part = Table::new(&layout, 0);
+            let mut part = PointTable::new(&layout, 0);
             part.reserve(rows.len());
             rows.iter().for_each(|row| part.push(&layout, row));
             part
         });
-        let joined = Table::join(&layout, parts.collect());
+        let joined = PointTable::join(&layout, parts.collect());
         assert_eq!((&joined.cloud, &joined.codes), (&pushed.cloud, &pushed.codes));
         let whole = pushed.whole(&layout);
         assert!(whole.directed && whole.codes);
@@ -268,7 +268,7 @@ mod tests {
     fn parts_tell_what_the_whole_tells() {
         let layout = layout(&["x", "y", "z", "nx", "ny", "nz", "r", "g", "b", "a", "class"]);
         let table = |rows: &[[f64; 11]]| {
-            let mut table = Table::new(&layout, 0);
+            let mut table = PointTable::new(&layout, 0);
             rows.iter().for_each(|row| table.push(&layout, row));
             table.whole(&layout)
         };
@@ -277,7 +277,7 @@ mod tests {
         let (a, b) = (table(&[plain]), table(&[special]));
         assert_eq!((a.directed, a.codes), (false, true));
         assert_eq!(a.and(b), table(&[plain, special]));
-        assert_eq!(a.and(Whole::NONE), a);
+        assert_eq!(a.and(TableFacts::NONE), a);
         assert_eq!(b.largest, [Some(256.0), None], "`a` is a scalar");
     }
 }

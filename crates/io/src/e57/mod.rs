@@ -16,9 +16,9 @@ use pellucid_core::progress::Progress;
 
 use super::columns::{Columns, FullScale};
 use super::number::long;
-use super::{Error, PROGRESS_STEP, Source, decoder};
+use super::{Error, InputFile, PROGRESS_STEP, decoder};
 use pellucid_core::cloud::{Cloud, UpAxis};
-use scan::{Scan, Table};
+use scan::{Scan, ScanColumns};
 
 /// The first bytes of a file.
 pub(super) const MAGIC: &[u8] = b"ASTM-E57";
@@ -36,7 +36,7 @@ const MAX_FIELDS: usize = 1024;
 const MAX_PACKET: u64 = 1 << 16;
 
 /// Reads the points of an E57 file.
-pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut InputFile, progress: &Progress) -> Result<Cloud, Error> {
     check_header(source)?;
     let len = source.len;
     // The library's behavior on damaged files is unknown; a panic counts as a fault of the file.
@@ -72,7 +72,7 @@ impl Problem {
 }
 
 /// Compares what the header claims with the file's size, before the library takes memory for it.
-fn check_header(source: &mut Source) -> Result<(), Error> {
+fn check_header(source: &mut InputFile) -> Result<(), Error> {
     let mut header = [0; HEADER];
     let read = source.reader.read_exact(&mut header).and_then(|()| source.reader.rewind());
     if read.is_err() {
@@ -99,7 +99,7 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
     }
     let (numbers, clouds): (Vec<usize>, Vec<PointCloud>) = clouds.into_iter().unzip();
     check_claim(&numbers, &clouds, len)?;
-    let table = Table::for_scans(&clouds);
+    let table = ScanColumns::for_scans(&clouds);
     progress.set_length(clouds.iter().map(|cloud| cloud.records).sum());
     let mut columns = Columns::new(&table.columns, FullScale::Typed)
         .map_err(|missing| Problem::new("E57 data", format!("no coordinate `{missing}`")))?;

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use crate::columns::{Column, ScalarType, is_known};
 
 /// The columns that all scans share; the first ones are always there.
-pub(super) struct Table {
+pub(super) struct ScanColumns {
     pub columns: Vec<Column>,
     normals: Option<usize>,
     colors: Option<usize>,
@@ -19,7 +19,7 @@ pub(super) struct Table {
     pub left_out: Vec<String>,
 }
 
-impl Table {
+impl ScanColumns {
     /// Returns the columns of some scans.
     pub fn for_scans(scans: &[PointCloud]) -> Self {
         let mut columns = Vec::from(["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double)));
@@ -148,7 +148,7 @@ pub(super) struct Scan<'a> {
 
 impl<'a> Scan<'a> {
     /// Fails with the missing property of a scan.
-    pub fn new(scan: &'a PointCloud, table: &Table) -> Result<Self, String> {
+    pub fn new(scan: &'a PointCloud, table: &ScanColumns) -> Result<Self, String> {
         let at = |at: usize| (at, &scan.prototype[at].data_type);
         let find = |name: &RecordName| scan.prototype.iter().position(|record| record.name == *name).map(at);
         let three = |names: [RecordName; 3]| {
@@ -258,7 +258,7 @@ fn intensity_limits(scan: &PointCloud, (_, kind): Field) -> Limits {
 }
 
 /// No position, white, no normal, and intensity 0.
-fn empty(table: &Table) -> Vec<f64> {
+fn empty(table: &ScanColumns) -> Vec<f64> {
     let value = |column: &Column| match column.name.as_str() {
         "x" | "y" | "z" => f64::NAN,
         "red" | "green" | "blue" => 1.0,

@@ -7,10 +7,10 @@ use laz::laszip::{ChunkTable, CompressorType};
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{DecompressionSelection, LazItemType, LazVlr};
 
-use super::header::Header;
+use super::header::LasHeader;
 use super::times::{GpsTime, Timed};
 use crate::number::word;
-use crate::{Error, Source, decoder};
+use crate::{Error, InputFile, decoder};
 
 /// Points decoded at a time. Memory is allocated block by block, so that a false count costs nothing.
 const BLOCK: u64 = 1 << 16;
@@ -37,7 +37,7 @@ pub(crate) struct Chunk {
 }
 
 /// Cuts uncompressed points into blocks.
-pub(super) fn plain(source: &Source, header: &Header) -> Result<Vec<Chunk>, Error> {
+pub(super) fn plain(source: &InputFile, header: &LasHeader) -> Result<Vec<Chunk>, Error> {
     if header.record_len == 0 {
         return Err(source.malformed("LAS header", "its point records have 0 bytes"));
     }
@@ -50,7 +50,7 @@ pub(super) fn plain(source: &Source, header: &Header) -> Result<Vec<Chunk>, Erro
 }
 
 /// Returns the chunks of a compressed file: those of its chunk table, or a single one in files older than that table.
-pub(super) fn compressed(source: &mut Source, header: &Header, laz: &LazVlr) -> Result<Vec<Chunk>, Error> {
+pub(super) fn compressed(source: &mut InputFile, header: &LasHeader, laz: &LazVlr) -> Result<Vec<Chunk>, Error> {
     check_items(source, header, laz)?;
     if compressor(laz) == Some(CompressorType::PointWise) {
         let bytes = source.len - header.start;
@@ -98,7 +98,7 @@ fn compressor(laz: &LazVlr) -> Option<CompressorType> {
 }
 
 /// The fields that the compressor announces must be those of a point record, or the library would panic.
-fn check_items(source: &Source, header: &Header, laz: &LazVlr) -> Result<(), Error> {
+fn check_items(source: &InputFile, header: &LasHeader, laz: &LazVlr) -> Result<(), Error> {
     let place = "LAZ record of the header";
     if compressor(laz).is_none() {
         return Err(source.malformed(place, "the points are marked as compressed, but the record names no compressor"));
@@ -123,7 +123,7 @@ fn check_items(source: &Source, header: &Header, laz: &LazVlr) -> Result<(), Err
 }
 
 /// The chunk table, and the byte before which all chunks end.
-fn chunk_table(source: &mut Source, header: &Header, laz: &LazVlr) -> Result<(ChunkTable, u64), Error> {
+fn chunk_table(source: &mut InputFile, header: &LasHeader, laz: &LazVlr) -> Result<(ChunkTable, u64), Error> {
     let place = table_place(source, header).map_err(|e| source.read_error(e))?;
     let data_start = header.start + ChunkTable::OFFSET_SIZE as u64;
     let Some(place) = place.filter(|place| (data_start..source.len.saturating_sub(7)).contains(place)) else {
@@ -149,7 +149,7 @@ fn chunk_table(source: &mut Source, header: &Header, laz: &LazVlr) -> Result<(Ch
 
 /// The position of the chunk table, stored where the points start; a writer that couldn't seek back stores it at the
 /// end of the file.
-fn table_place(source: &mut Source, header: &Header) -> std::io::Result<Option<u64>> {
+fn table_place(source: &mut InputFile, header: &LasHeader) -> std::io::Result<Option<u64>> {
     let mut bytes = [0; 8];
     for from in [SeekFrom::Start(header.start), SeekFrom::End(-8)] {
         source.reader.seek(from)?;
@@ -164,7 +164,7 @@ fn table_place(source: &mut Source, header: &Header) -> std::io::Result<Option<u
 }
 
 /// The number of chunks that the table announces, after its 4-byte version.
-fn entry_count(source: &mut Source, place: u64) -> std::io::Result<u64> {
+fn entry_count(source: &mut InputFile, place: u64) -> std::io::Result<u64> {
     let mut bytes = [0; 4];
     source.reader.seek(SeekFrom::Start(place + 4))?;
     source.reader.read_exact(&mut bytes)?;
@@ -175,7 +175,7 @@ impl Chunk {
     /// Passes the chunk's records on in blocks, or returns the defect. Fields that aren't selected may have any value.
     pub(super) fn decode(
         &self,
-        header: &Header,
+        header: &LasHeader,
         bytes: &[u8],
         selection: DecompressionSelection,
         mut take: impl FnMut(&[u8]) -> Result<(), String>,
@@ -244,7 +244,7 @@ fn record_decoder<'a>(laz: &LazVlr, bytes: &'a [u8], times: bool) -> Result<Deco
 /// The layers of a chunk (LAS 1.4 compression) are allocated as their sizes say, so these must fit into the chunk.
 ///
 /// A chunk is: the first point, the number of points (u32), the size of each layer (u32), the layers.
-fn check_layers(header: &Header, laz: &LazVlr, bytes: &[u8]) -> Result<(), String> {
+fn check_layers(header: &LasHeader, laz: &LazVlr, bytes: &[u8]) -> Result<(), String> {
     if laz.items().first().is_none_or(|item| item.version() < 3) {
         return Ok(());
     }

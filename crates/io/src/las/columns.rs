@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use las::PointDataBuilder;
 use rayon::prelude::*;
 
-use super::header::Header;
+use super::header::LasHeader;
 use super::traits::Traits;
 use crate::LasColumns;
 use crate::columns::{taken, taken_optional};
@@ -29,7 +29,7 @@ pub(crate) struct Columns {
 
 impl Columns {
     /// Empty columns.
-    pub fn new(header: &Header, asked: LasColumns) -> Self {
+    pub fn new(header: &LasHeader, asked: LasColumns) -> Self {
         Self {
             positions: Vec::new(),
             rgb: header.format.has_color.then(Vec::new),
@@ -46,13 +46,13 @@ impl Columns {
 
     /// Returns the number of bytes of a point in the columns of a cloud, without those that depend on values and
     /// wishes.
-    pub(super) fn least_bytes(header: &Header) -> u64 {
+    pub(super) fn least_bytes(header: &LasHeader) -> u64 {
         let (intensity, classification) = (size_of::<f32>(), size_of::<u8>());
         (size_of::<DVec3>() + intensity + classification + header.extra.len() * size_of::<f32>()) as u64
     }
 
     /// Adds whole point records.
-    pub fn push(&mut self, header: &Header, records: &[u8]) -> Result<(), String> {
+    pub fn push(&mut self, header: &LasHeader, records: &[u8]) -> Result<(), String> {
         let data = PointDataBuilder::new()
             .with_format(header.format)
             .with_transforms(header.transforms)

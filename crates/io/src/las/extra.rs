@@ -3,20 +3,20 @@
 use las::raw::Vlr;
 
 use super::header::user_id;
-use crate::number::Kind;
+use crate::number::NumberType;
 
 /// The kinds from 1 on.
-const KINDS: [Kind; 10] = [
-    Kind::Uint8,
-    Kind::Int8,
-    Kind::Uint16,
-    Kind::Int16,
-    Kind::Uint32,
-    Kind::Int32,
-    Kind::Uint64,
-    Kind::Int64,
-    Kind::Float,
-    Kind::Double,
+const KINDS: [NumberType; 10] = [
+    NumberType::Uint8,
+    NumberType::Int8,
+    NumberType::Uint16,
+    NumberType::Int16,
+    NumberType::Uint32,
+    NumberType::Int32,
+    NumberType::Uint64,
+    NumberType::Int64,
+    NumberType::Float,
+    NumberType::Double,
 ];
 
 /// Bytes of one descriptor in the record.
@@ -28,7 +28,7 @@ pub(super) struct Dimension {
     pub name: String,
     /// Bytes from the start of the extra bytes.
     offset: usize,
-    kind: Kind,
+    kind: NumberType,
     scale: f64,
     shift: f64,
 }
@@ -57,7 +57,7 @@ pub(super) fn dimensions(vlrs: &[Vlr], extra_bytes: u16) -> Vec<Dimension> {
         if let Some(&kind) = usize::from(kind).checked_sub(1).and_then(|kind| KINDS.get(kind)) {
             let name = descriptor[4..36].split(|&byte| byte == 0).next().unwrap_or_default();
             let option = |bit: u8, at: usize, default| {
-                if options >> bit & 1 == 1 { Kind::Double.read(&descriptor[at..]) } else { default }
+                if options >> bit & 1 == 1 { NumberType::Double.read(&descriptor[at..]) } else { default }
             };
             let name = String::from_utf8_lossy(name).trim().to_owned();
             dimensions.push(Dimension { name, offset, kind, scale: option(3, 112, 1.0), shift: option(4, 136, 0.0) });

@@ -9,7 +9,7 @@ use las::{Transform, Vector};
 use laz::LazVlr;
 
 use super::extra::{self, Dimension};
-use crate::{Error, Source, decoder};
+use crate::{Error, InputFile, decoder};
 use pellucid_core::cloud::Bounds;
 
 /// Bytes of a variable-length record before its data.
@@ -21,7 +21,7 @@ pub(crate) const MAX_POINTS_PER_BYTE: u64 = 4096;
 
 /// The storage and the number of the points.
 #[derive(Debug)]
-pub(crate) struct Header {
+pub(crate) struct LasHeader {
     pub count: u64,
     pub record_len: usize,
     pub format: Format,
@@ -38,7 +38,7 @@ pub(crate) struct Header {
     pub copc: Option<Vec<u8>>,
 }
 
-impl Header {
+impl LasHeader {
     /// Returns the header's box with a step of the coordinates' grid around it, since many writers round it; `None` if
     /// it can be no box.
     pub fn claimed_bounds(&self) -> Option<Bounds> {
@@ -62,7 +62,7 @@ impl Header {
 }
 
 /// Reads and checks the header.
-pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
+pub(super) fn read(source: &mut InputFile) -> Result<LasHeader, Error> {
     let raw = match decoder::guard(|| raw::Header::read_from(&mut source.reader)) {
         Ok(Ok(raw)) => raw,
         Ok(Err(las::Error::Io(e))) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
@@ -85,7 +85,7 @@ pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
     let format = format(source, &raw)?;
     let vlrs = vlrs(source, &raw)?;
     let laz = if format.is_compressed { Some(laz_vlr(source, &vlrs)?) } else { None };
-    let header = Header {
+    let header = LasHeader {
         count,
         record_len: raw.point_data_record_length.into(),
         extra: extra::dimensions(&vlrs, format.extra_bytes),
@@ -103,7 +103,7 @@ pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
     Ok(header)
 }
 
-fn format(source: &Source, raw: &raw::Header) -> Result<Format, Error> {
+fn format(source: &InputFile, raw: &raw::Header) -> Result<Format, Error> {
     let number = raw.point_data_record_format;
     // The two upper bits say "compressed".
     let known = Format::new(number).ok().filter(|_| number & 0x3f <= 10);
@@ -129,7 +129,7 @@ fn transforms(raw: &raw::Header) -> Vector<Transform> {
 }
 
 /// The variable-length records that fit before the points; some writers count one too many.
-fn vlrs(source: &mut Source, raw: &raw::Header) -> Result<Vec<raw::Vlr>, Error> {
+fn vlrs(source: &mut InputFile, raw: &raw::Header) -> Result<Vec<raw::Vlr>, Error> {
     let end = u64::from(raw.offset_to_point_data);
     let mut position = u64::from(raw.header_size);
     let mut vlrs = Vec::new();
@@ -151,7 +151,7 @@ fn is_copc(vlr: &&raw::Vlr) -> bool {
     user_id(vlr) == b"copc" && vlr.record_id == 1
 }
 
-fn laz_vlr(source: &Source, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {
+fn laz_vlr(source: &InputFile, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {
     let place = "LAZ record of the header";
     let is_laz = |vlr: &&raw::Vlr| user_id(vlr) == LazVlr::USER_ID.as_bytes() && vlr.record_id == LazVlr::RECORD_ID;
     let Some(vlr) = vlrs.iter().find(is_laz) else {
@@ -166,7 +166,7 @@ pub(super) fn user_id(vlr: &raw::Vlr) -> &[u8] {
 }
 
 /// Compares the claimed number of points with the available bytes.
-fn check_claim(source: &Source, header: &Header) -> Result<(), Error> {
+fn check_claim(source: &InputFile, header: &LasHeader) -> Result<(), Error> {
     let left = source.len - header.start;
     let (possible, each) = match header.laz {
         Some(_) => (left.saturating_mul(MAX_POINTS_PER_BYTE), "compressed".to_owned()),

@@ -15,16 +15,16 @@ use laz::DecompressionSelection;
 use rayon::prelude::*;
 
 use super::store::Grid;
-use super::{Error, LasColumns, SharedFile, Source, memory};
+use super::{Error, InputFile, LasColumns, SharedFile, memory};
 pub(super) use chunks::Chunk;
 pub(super) use columns::Columns;
-pub(super) use header::{Header, MAX_POINTS_PER_BYTE};
+pub(super) use header::{LasHeader, MAX_POINTS_PER_BYTE};
 use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::progress::Progress;
 pub(super) use traits::Traits;
 
 /// Reads the points of a LAS or LAZ file.
-pub(super) fn read(source: Source, asked: LasColumns, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, asked: LasColumns, progress: &Progress) -> Result<Cloud, Error> {
     let file = LasFile::open(source, asked)?;
     memory::check(file.file.path(), file.header.count, Columns::least_bytes(&file.header))?;
     progress.set_length(file.header.count);
@@ -38,7 +38,7 @@ pub(super) fn read(source: Source, asked: LasColumns, progress: &Progress) -> Re
 #[derive(Debug)]
 pub(super) struct LasFile {
     pub file: SharedFile,
-    pub header: Header,
+    pub header: LasHeader,
     /// The runs of points in the file's order; together they hold as many as the header says.
     pub chunks: Vec<Chunk>,
     pub asked: LasColumns,
@@ -46,7 +46,7 @@ pub(super) struct LasFile {
 
 impl LasFile {
     /// Reads the header and finds the chunks.
-    pub fn open(mut source: Source, asked: LasColumns) -> Result<Self, Error> {
+    pub fn open(mut source: InputFile, asked: LasColumns) -> Result<Self, Error> {
         let header = header::read(&mut source)?;
         let chunks = match &header.laz {
             _ if header.count == 0 => Vec::new(),

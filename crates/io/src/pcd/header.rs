@@ -3,8 +3,8 @@
 use std::io::{BufRead, Read};
 
 use crate::columns::ScalarType;
-use crate::number::{Class, Kind};
-use crate::{Error, Source};
+use crate::number::{Class, NumberType};
+use crate::{Error, InputFile};
 
 /// Longest header that is read; a file without `DATA` is not read to its end for nothing.
 const MAX_HEADER: u64 = 1 << 20;
@@ -20,7 +20,7 @@ pub(super) enum Encoding {
 /// A named group of numbers of a point.
 pub(super) struct Field {
     pub name: String,
-    pub kind: Kind,
+    pub kind: NumberType,
     /// Bytes of each number: 1, 2, 4 or 8.
     pub size: usize,
     /// The number of values.
@@ -31,13 +31,13 @@ impl Field {
     /// Returns the type that determines a channel's range; types unknown to PLY read as float64.
     pub fn scalar(&self) -> ScalarType {
         match self.kind {
-            Kind::Float => ScalarType::Float,
-            Kind::Uint8 => ScalarType::UChar,
-            Kind::Int8 => ScalarType::Char,
-            Kind::Uint16 => ScalarType::UShort,
-            Kind::Int16 => ScalarType::Short,
-            Kind::Uint32 => ScalarType::UInt,
-            Kind::Int32 => ScalarType::Int,
+            NumberType::Float => ScalarType::Float,
+            NumberType::Uint8 => ScalarType::UChar,
+            NumberType::Int8 => ScalarType::Char,
+            NumberType::Uint16 => ScalarType::UShort,
+            NumberType::Int16 => ScalarType::Short,
+            NumberType::Uint32 => ScalarType::UInt,
+            NumberType::Int32 => ScalarType::Int,
             _ => ScalarType::Double,
         }
     }
@@ -87,7 +87,7 @@ struct Lines {
 }
 
 /// Reads the header and leaves the source at the first byte after it.
-pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
+pub(super) fn read(source: &mut InputFile) -> Result<Header, Error> {
     let mut lines = Lines::default();
     let (mut len, mut number) = (0, 0);
     let mut line = Vec::new();
@@ -165,7 +165,7 @@ impl Lines {
             (points, area) => points.or(area).ok_or("there is neither POINTS nor WIDTH")?,
         };
         let fields = names.into_iter().zip(classes).zip(sizes).zip(counts);
-        let field = |(((name, class), size), count)| match Kind::of(class, size) {
+        let field = |(((name, class), size), count)| match NumberType::of(class, size) {
             None => Err(format!("field `{name}` is a float of {size} bytes (known: 4 and 8)")),
             Some(kind) => Ok(Field { name, kind, size, count }),
         };

@@ -16,12 +16,12 @@ use pellucid_core::progress::Progress;
 
 use super::columns::{Columns, FullScale};
 use super::number::{number, word};
-use super::{Error, PROGRESS_STEP, Source};
+use super::{Error, InputFile, PROGRESS_STEP};
 use depth_image::DepthImage;
 use header::{Encoding, Header};
 use pellucid_core::cloud::depth_camera::is_depth_camera;
 use pellucid_core::cloud::{Cloud, UpAxis};
-use row::Layout;
+use row::PcdLayout;
 
 /// Numbers of a point at most: each becomes a column. The largest features have about 2000.
 const MAX_NUMBERS: u64 = 1 << 16;
@@ -32,10 +32,10 @@ pub(super) fn is_pcd(start: &[u8]) -> bool {
 }
 
 /// Reads the points of a PCD file.
-pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let header = header::read(source)?;
     check_claim(source, &header)?;
-    let layout = Layout::for_header(&header);
+    let layout = PcdLayout::for_header(&header);
     let mut columns = Columns::new(&layout.columns, FullScale::Measured).map_err(|missing| {
         let names: Vec<_> = header.fields.iter().map(|field| field.name.as_str()).collect();
         source.malformed("header", format!("no field `{missing}`, only [{}]", names.join(", ")))
@@ -69,7 +69,7 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
 }
 
 /// Compares the claimed number of points with the bytes that follow the header.
-fn check_claim(source: &Source, header: &Header) -> Result<(), Error> {
+fn check_claim(source: &InputFile, header: &Header) -> Result<(), Error> {
     let left = source.len.saturating_sub(header.len);
     let (least, possible) = match header.encoding {
         // A digit and a separator for each number; the last line needs no end.
@@ -101,7 +101,12 @@ fn lzf_limit(bytes: u64) -> u64 {
     bytes.saturating_mul(lzf::MAX_EXPANSION as u64)
 }
 
-fn ascii(source: &mut Source, header: &Header, layout: &Layout, mut take: impl FnMut(&[f64])) -> Result<(), Error> {
+fn ascii(
+    source: &mut InputFile,
+    header: &Header,
+    layout: &PcdLayout,
+    mut take: impl FnMut(&[f64]),
+) -> Result<(), Error> {
     let (mut line, mut row, mut at) = (Vec::new(), Vec::new(), header.lines);
     let mut index = 0;
     while index < header.points {
@@ -130,7 +135,12 @@ fn ascii(source: &mut Source, header: &Header, layout: &Layout, mut take: impl F
     Ok(())
 }
 
-fn binary(source: &mut Source, header: &Header, layout: &Layout, mut take: impl FnMut(&[f64])) -> Result<(), Error> {
+fn binary(
+    source: &mut InputFile,
+    header: &Header,
+    layout: &PcdLayout,
+    mut take: impl FnMut(&[f64]),
+) -> Result<(), Error> {
     let mut record = vec![0; header.record_len() as usize];
     let mut row = Vec::new();
     for index in 0..header.points {
@@ -148,9 +158,9 @@ fn binary(source: &mut Source, header: &Header, layout: &Layout, mut take: impl 
 
 /// Compressed points are stored field by field: all x, then all y, and so on.
 fn compressed(
-    source: &mut Source,
+    source: &mut InputFile,
     header: &Header,
-    layout: &Layout,
+    layout: &PcdLayout,
     mut take: impl FnMut(&[f64]),
 ) -> Result<(), Error> {
     let mut sizes = [0; 8];

@@ -14,12 +14,12 @@ enum Use {
 }
 
 /// The fields of a point and the columns that they become.
-pub(super) struct Layout<'a> {
+pub(super) struct PcdLayout<'a> {
     fields: Vec<(&'a Field, Use)>,
     pub columns: Vec<Column>,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> PcdLayout<'a> {
     /// The header's size must have been checked against the file's, since every number of a group is a column.
     pub fn for_header(header: &'a Header) -> Self {
         let mut columns = Vec::new();

@@ -3,7 +3,7 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use super::Source;
+use super::InputFile;
 use crate::Error;
 
 /// Bytes of an entry: tag, type, number of values, and the values or where they are.
@@ -11,7 +11,7 @@ const ENTRY: usize = 12;
 
 /// Fails if an entry of the first directory has more values than the file could hold. Leaves the source at its start;
 /// files that are no TIFF, or end too early, are left to the decoder.
-pub(super) fn check(source: &mut Source) -> Result<(), Error> {
+pub(super) fn check(source: &mut InputFile) -> Result<(), Error> {
     let entries = entries(source);
     source.reader.rewind().map_err(|e| source.read_error(e))?;
     let Ok(Some(entries)) = entries else { return Ok(()) };
@@ -28,7 +28,7 @@ pub(super) fn check(source: &mut Source) -> Result<(), Error> {
 type Entry = (u16, u16, u32);
 
 /// The entries of the first directory; `None` if the file is no TIFF.
-fn entries(source: &mut Source) -> std::io::Result<Option<Vec<Entry>>> {
+fn entries(source: &mut InputFile) -> std::io::Result<Option<Vec<Entry>>> {
     let mut start = [0; 8];
     source.reader.read_exact(&mut start)?;
     let is_little = match &start[..4] {

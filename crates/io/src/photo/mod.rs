@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use pellucid_core::progress::Progress;
 
-use super::{Error, Source};
+use super::{Error, InputFile};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use picture::Picture;
 use surface::Surface;
@@ -42,14 +42,14 @@ pub struct Heights {
 
 /// Reads a picture. Colors are sRGB-decoded (float pictures hold linear ones), the alpha channel becomes the points'
 /// alpha, and pixels of alpha 0 are left out.
-pub(super) fn read(source: Source, photo: &Photo, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, photo: &Photo, progress: &Progress) -> Result<Cloud, Error> {
     let path = source.path.clone();
     let picture = Picture::read(source)?;
     let size = [picture.width, picture.height];
     let surface = match &photo.heights {
         None => Surface::flat(size, photo),
         Some(heights) => {
-            let map = Picture::read(Source::open(&heights.path)?)?;
+            let map = Picture::read(InputFile::open(&heights.path)?)?;
             Surface::new(size, photo, &map.gray(), [map.width, map.height], heights.scale)
         }
     };

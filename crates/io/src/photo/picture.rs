@@ -5,7 +5,7 @@ use std::io::{BufRead, ErrorKind};
 use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
-use super::{MAX_PIXELS, Source, directory};
+use super::{InputFile, MAX_PIXELS, directory};
 use crate::bitmap::{self, Sample};
 use crate::channel::unit_or;
 use crate::{Error, decoder};
@@ -35,7 +35,7 @@ pub struct Picture {
 
 impl Picture {
     /// Decodes a whole file. A panic of the decoder is the file's fault.
-    pub fn read(mut source: Source) -> Result<Self, Error> {
+    pub fn read(mut source: InputFile) -> Result<Self, Error> {
         directory::check(&mut source)?;
         let path = source.path.clone();
         decoder::guard(|| Self::decode(source)).unwrap_or_else(|panic| {
@@ -43,7 +43,7 @@ impl Picture {
         })
     }
 
-    fn decode(mut source: Source) -> Result<Self, Error> {
+    fn decode(mut source: InputFile) -> Result<Self, Error> {
         let (path, len) = (source.path.clone(), source.len);
         let malformed = |place: &str, cause: String| Error::malformed(&path, place, cause);
         let failed = |error: ImageError| match error {

@@ -8,10 +8,10 @@
 
 use glam::{DQuat, DVec3};
 
-use super::header::{Element, Header, ScalarType, size};
+use super::header::{Element, PlyHeader, ScalarType, size};
 use super::payload;
 use crate::splats::{Splat, Splats, quaternion};
-use crate::{Error, SharedFile, Source, memory};
+use crate::{Error, InputFile, SharedFile, memory};
 use pellucid_core::cloud::gaussians::{MAX_DEGREE, coefficients};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
@@ -31,8 +31,8 @@ const RANGES: [[&str; 6]; 3] = [
 
 /// A file of compressed splats whose header is read.
 pub(crate) struct Compressed {
-    source: Source,
-    header: Header,
+    source: InputFile,
+    header: PlyHeader,
     vertex: usize,
 }
 
@@ -50,7 +50,7 @@ struct Records {
 }
 
 impl Compressed {
-    pub(super) fn new(source: Source, header: Header, vertex: usize) -> Self {
+    pub(super) fn new(source: InputFile, header: PlyHeader, vertex: usize) -> Self {
         Self { source, header, vertex }
     }
 
@@ -144,7 +144,7 @@ fn rotation(word: u32) -> DQuat {
 
 impl Records {
     /// All records of an element; the named properties are its values.
-    fn read(file: &SharedFile, header: &Header, at: usize, names: &[&str]) -> Result<Self, Error> {
+    fn read(file: &SharedFile, header: &PlyHeader, at: usize, names: &[&str]) -> Result<Self, Error> {
         let wrong = |cause: String| file.malformed("header", cause);
         let mut start = u128::from(header.len);
         for element in &header.elements[..=at] {

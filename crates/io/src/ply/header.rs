@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{self, DefaultElement, Encoding, PropertyType};
 
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 
 pub(super) use ply_rs_bw::ply::ScalarType;
 
@@ -13,7 +13,7 @@ pub(super) use ply_rs_bw::ply::ScalarType;
 const MAX_HEADER: u64 = 1 << 20;
 
 /// The parsed header.
-pub(super) struct Header {
+pub(super) struct PlyHeader {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
     /// Bytes up to and including the line `end_header`.
@@ -34,11 +34,11 @@ pub(super) struct Element {
 /// A named value or list of a record.
 pub(super) struct Property {
     pub name: String,
-    pub kind: Kind,
+    pub kind: PlyType,
 }
 
 /// Type of a property.
-pub(super) enum Kind {
+pub(super) enum PlyType {
     Scalar(ScalarType),
     List { count: ScalarType, item: ScalarType },
 }
@@ -54,7 +54,7 @@ pub(super) fn size(scalar: &ScalarType) -> u64 {
 }
 
 /// Reads the header and leaves the source at the first byte after it.
-pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
+pub(super) fn read(source: &mut InputFile) -> Result<PlyHeader, Error> {
     let mut tidy = Tidy::default();
     let mut len = 0;
     let mut line = Vec::new();
@@ -83,7 +83,7 @@ pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
         source.malformed(place, found.map_or(message.clone(), |found| format!("{message} Found `{found}`")))
     })?;
     let Tidy { names, lines, comments, .. } = tidy;
-    Ok(Header { encoding: parsed.encoding, elements: names.restore(parsed), len, lines, comments })
+    Ok(PlyHeader { encoding: parsed.encoding, elements: names.restore(parsed), len, lines, comments })
 }
 
 /// The header as the parser likes it, line by line the same.
@@ -153,8 +153,8 @@ impl Names {
 
 fn property((definition, name): (ply::PropertyDef, String)) -> Property {
     let kind = match definition.data_type {
-        PropertyType::Scalar(scalar) => Kind::Scalar(scalar),
-        PropertyType::List(count, item) => Kind::List { count, item },
+        PropertyType::Scalar(scalar) => PlyType::Scalar(scalar),
+        PropertyType::List(count, item) => PlyType::List { count, item },
     };
     Property { name, kind }
 }

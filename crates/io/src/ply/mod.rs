@@ -30,19 +30,19 @@ mod write_splats;
 use pellucid_core::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
-use super::columns::{Column, FullScale, Layout, Table};
-use super::{Error, PROGRESS_STEP, Source, memory};
+use super::columns::{Column, FullScale, PointTable, RowLayout};
+use super::{Error, InputFile, PROGRESS_STEP, memory};
 use compressed::Compressed;
-use header::{Element, Header, Kind};
+use header::{Element, PlyHeader, PlyType};
 use pellucid_core::cloud::Cloud;
 pub(super) use prepared::is_prepared;
 pub(super) use rows::VertexRows;
-use splats::{Part, SplatColumns};
+use splats::{SplatColumns, SplatPart};
 pub(super) use vertical::{step, vertical};
 pub use write::{write, write_prepared, write_to};
 
 /// Reads the vertices of a PLY file.
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let (vertices, comments) = Vertices::find(source)?;
     let mut cloud = match vertices {
         Vertices::Rows(rows) => {
@@ -86,7 +86,7 @@ pub(super) enum Vertices {
 
 impl Vertices {
     /// Reads the header; also returns its comments with the numbers of their lines.
-    pub fn find(mut source: Source) -> Result<(Self, Vec<(u64, String)>), Error> {
+    pub fn find(mut source: InputFile) -> Result<(Self, Vec<(u64, String)>), Error> {
         let mut header = header::read(&mut source)?;
         let Some(at) = header.elements.iter().position(|e| e.name == "vertex") else {
             let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();
@@ -99,7 +99,7 @@ impl Vertices {
             return Ok((Self::Compressed(Box::new(Compressed::new(source, header, at))), comments));
         }
         let scalars = vertex.scalars();
-        let layout = Layout::new(&scalars, FullScale::Typed).map_err(|missing| Error::MissingProperty {
+        let layout = RowLayout::new(&scalars, FullScale::Typed).map_err(|missing| Error::MissingProperty {
             path: source.path.clone(),
             missing,
             found: vertex.names(),
@@ -118,11 +118,11 @@ impl Vertices {
 
 /// Vertices that are read one by one.
 pub(super) struct Records {
-    source: Source,
-    header: Header,
+    source: InputFile,
+    header: PlyHeader,
     at: usize,
     splats: Option<Box<SplatColumns>>,
-    layout: Layout,
+    layout: RowLayout,
 }
 
 impl Records {
@@ -135,9 +135,9 @@ impl Records {
             None => memory::check(&source.path, vertex.count, layout.bytes())?,
         }
         progress.set_length(vertex.count);
-        let mut table = Table::new(&layout, 0);
+        let mut table = PointTable::new(&layout, 0);
         let mut row = Vec::with_capacity(vertex.properties.len());
-        let mut part = splats.as_ref().map(|splats| Part::new(splats, 0));
+        let mut part = splats.as_ref().map(|splats| SplatPart::new(splats, 0));
         let mut take = |row: &[f64], index: u64| {
             match &mut part {
                 None => table.push(&layout, row),
@@ -168,14 +168,14 @@ impl Records {
         }
         progress.set_position(vertex.count);
         if let (Some(splats), Some(part)) = (&splats, part) {
-            return Ok(Part::finish(splats, vec![part]));
+            return Ok(SplatPart::finish(splats, vec![part]));
         }
         Ok(table.into_cloud(&layout))
     }
 }
 
 /// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.
-fn check_claim(source: &Source, elements: &[Element], header_len: u64, text: bool) -> Result<(), Error> {
+fn check_claim(source: &InputFile, elements: &[Element], header_len: u64, text: bool) -> Result<(), Error> {
     let mut left = source.len.saturating_sub(header_len);
     for element in elements {
         let least = if text { element.least_text() } else { element.least_bytes() };
@@ -217,7 +217,7 @@ impl Element {
     }
 }
 
-impl Kind {
+impl PlyType {
     /// The type, unless it is a list.
     fn scalar(&self) -> Option<&header::ScalarType> {
         match self {

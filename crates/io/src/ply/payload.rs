@@ -2,9 +2,9 @@
 
 use std::io::{BufRead, ErrorKind, Read};
 
-use super::header::{Element, Header, Kind, ScalarType, size};
+use super::header::{Element, PlyHeader, PlyType, ScalarType, size};
 use crate::number::number;
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 
 /// Reader of binary records.
 pub(super) struct Binary {
@@ -13,12 +13,12 @@ pub(super) struct Binary {
 
 impl Binary {
     /// Reads the scalars of a record; its lists are skipped.
-    pub fn read(&self, source: &mut Source, element: &Element, index: u64, row: &mut Vec<f64>) -> Result<(), Error> {
+    pub fn read(&self, source: &mut InputFile, element: &Element, index: u64, row: &mut Vec<f64>) -> Result<(), Error> {
         row.clear();
         for property in &element.properties {
             let read = match &property.kind {
-                Kind::Scalar(scalar) => self.scalar(&mut source.reader, scalar).map(|value| row.push(value)),
-                Kind::List { count, item } => self.skip_list(&mut source.reader, count, item),
+                PlyType::Scalar(scalar) => self.scalar(&mut source.reader, scalar).map(|value| row.push(value)),
+                PlyType::List { count, item } => self.skip_list(&mut source.reader, count, item),
             };
             read.map_err(|e| self.error(source, e, element, index))?;
         }
@@ -26,7 +26,7 @@ impl Binary {
     }
 
     /// Skips all records of an element.
-    pub fn skip(&self, source: &mut Source, element: &Element) -> Result<(), Error> {
+    pub fn skip(&self, source: &mut InputFile, element: &Element) -> Result<(), Error> {
         if element.properties.iter().all(|p| p.kind.scalar().is_some()) {
             let bytes = element.least_bytes() * element.count;
             let skipped = skip_bytes(&mut source.reader, bytes);
@@ -52,7 +52,7 @@ impl Binary {
         skip_bytes(reader, length as u64 * size(item))
     }
 
-    fn error(&self, source: &Source, e: std::io::Error, element: &Element, index: u64) -> Error {
+    fn error(&self, source: &InputFile, e: std::io::Error, element: &Element, index: u64) -> Error {
         match e.kind() {
             ErrorKind::UnexpectedEof => self.ends_early(source, element, index),
             ErrorKind::InvalidData => {
@@ -63,7 +63,7 @@ impl Binary {
     }
 
     /// Returns the error of a file that ends in this record of an element.
-    pub fn ends_early(&self, source: &Source, element: &Element, index: u64) -> Error {
+    pub fn ends_early(&self, source: &InputFile, element: &Element, index: u64) -> Error {
         source.truncated(format!(
             "the file ends at byte {} in record {index} of element `{}`, of which the header announces {}",
             source.len, element.name, element.count
@@ -122,12 +122,12 @@ pub(super) struct Lines {
 
 impl Lines {
     /// Starts at the line after the header.
-    pub fn after_header(header: &Header) -> Self {
+    pub fn after_header(header: &PlyHeader) -> Self {
         Self { line: Vec::new(), number: header.lines }
     }
 
     /// Skips all records of an element.
-    pub fn skip(&mut self, source: &mut Source, element: &Element) -> Result<(), Error> {
+    pub fn skip(&mut self, source: &mut InputFile, element: &Element) -> Result<(), Error> {
         if element.properties.is_empty() {
             return Ok(());
         }
@@ -137,7 +137,7 @@ impl Lines {
     /// Reads the scalars of a record; its lists are skipped.
     pub fn read(
         &mut self,
-        source: &mut Source,
+        source: &mut InputFile,
         element: &Element,
         index: u64,
         row: &mut Vec<f64>,
@@ -155,7 +155,7 @@ impl Lines {
         })
     }
 
-    fn next(&mut self, source: &mut Source, element: &Element, index: u64) -> Result<(), Error> {
+    fn next(&mut self, source: &mut InputFile, element: &Element, index: u64) -> Result<(), Error> {
         loop {
             self.line.clear();
             self.number += 1;
@@ -186,8 +186,8 @@ fn parse(line: &str, element: &Element, row: &mut Vec<f64>) -> Result<(), String
         })?;
         let value = number(word).ok_or_else(|| format!("property `{}`: `{word}` is not a number", property.name))?;
         match property.kind {
-            Kind::Scalar(_) => row.push(value),
-            Kind::List { .. } => {
+            PlyType::Scalar(_) => row.push(value),
+            PlyType::List { .. } => {
                 // A missing item shows up as a missing value of the next property, or not at all.
                 for _ in 0..value as u64 {
                     if words.next().is_none() {

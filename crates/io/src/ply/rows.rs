@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use ply_rs_bw::ply::Encoding;
 
-use super::header::{Element, Header, Kind, ScalarType, size};
+use super::header::{Element, PlyHeader, PlyType, ScalarType, size};
 use super::payload::{self, column};
-use crate::columns::{Block, Layout, Table};
-use crate::{Error, SharedFile, Source};
+use crate::columns::{PointTable, RowBlock, RowLayout};
+use crate::{Error, InputFile, SharedFile};
 use pellucid_core::progress::Progress;
 
 /// Rows that a thread parses at a time.
@@ -18,7 +18,7 @@ const RUN: usize = 1 << 14;
 #[derive(Debug)]
 pub(crate) struct VertexRows {
     pub file: SharedFile,
-    pub layout: Layout,
+    pub layout: RowLayout,
     pub count: u64,
     pub row_len: u64,
     /// Byte of the first row.
@@ -29,14 +29,14 @@ pub(crate) struct VertexRows {
 }
 
 /// Returns `true` if the element's records are rows of one size in a binary file.
-pub(super) fn are_rows(header: &Header, element: &Element) -> bool {
+pub(super) fn are_rows(header: &PlyHeader, element: &Element) -> bool {
     header.encoding != Encoding::Ascii && element.properties.iter().all(|property| property.kind.scalar().is_some())
 }
 
 impl VertexRows {
     /// Returns the rows of an element for which [`are_rows`] holds, from a source that stands behind the header and
     /// whose claims are checked.
-    pub(super) fn find(mut source: Source, header: &Header, at: usize, layout: Layout) -> Result<Self, Error> {
+    pub(super) fn find(mut source: InputFile, header: &PlyHeader, at: usize, layout: RowLayout) -> Result<Self, Error> {
         let little_endian = header.encoding == Encoding::BinaryLittleEndian;
         let binary = payload::Binary { little_endian };
         for element in &header.elements[..at] {
@@ -47,7 +47,7 @@ impl VertexRows {
         let mut row_len = 0;
         let mut values = Vec::new();
         for property in &element.properties {
-            if let Kind::Scalar(scalar) = &property.kind {
+            if let PlyType::Scalar(scalar) = &property.kind {
                 values.push((row_len, scalar.clone()));
                 row_len += size(scalar) as usize;
             }
@@ -61,11 +61,11 @@ impl VertexRows {
     }
 
     /// Shows some of the rows, block by block.
-    pub(super) fn blocks(&self, rows: Range<u64>, mut see: impl FnMut(&mut Block)) -> Result<(), Error> {
+    pub(super) fn blocks(&self, rows: Range<u64>, mut see: impl FnMut(&mut RowBlock)) -> Result<(), Error> {
         let bytes = self.file.read(self.start + rows.start * self.row_len, (rows.end - rows.start) * self.row_len)?;
         let row_len = self.row_len as usize;
-        let mut block = Block::new(self.values.len());
-        for records in bytes.chunks(Block::ROWS * row_len) {
+        let mut block = RowBlock::new(self.values.len());
+        for records in bytes.chunks(RowBlock::ROWS * row_len) {
             block.set_len(records.len() / row_len);
             for (at, (offset, scalar)) in self.values.iter().enumerate() {
                 column(records, row_len, *offset, scalar, self.little_endian, block.column(at));
@@ -76,8 +76,8 @@ impl VertexRows {
     }
 
     /// Parses some of the rows. Those whose position is not finite are left out, and their places returned.
-    pub fn parse(&self, rows: Range<u64>, progress: &Progress) -> Result<(Table, Vec<u64>), Error> {
-        let mut table = Table::new(&self.layout, (rows.end - rows.start) as usize);
+    pub fn parse(&self, rows: Range<u64>, progress: &Progress) -> Result<(PointTable, Vec<u64>), Error> {
+        let mut table = PointTable::new(&self.layout, (rows.end - rows.start) as usize);
         let left_out = table.fill(RUN, |first, to| {
             let first = rows.start + first as u64;
             let (mut done, mut left_out) = (0, Vec::new());

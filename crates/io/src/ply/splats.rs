@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::rows::VertexRows;
-use crate::columns::{Column, FullScale, Layout, ScalarType, Table};
+use crate::columns::{Column, FullScale, PointTable, RowLayout, ScalarType};
 use crate::splats::{Splat, Splats, from_coefficient};
 use crate::{Error, memory};
 use pellucid_core::cloud::filter::Filter;
@@ -37,7 +37,7 @@ pub(crate) struct SplatColumns {
     /// Properties that stay as they are.
     kept: Vec<usize>,
     /// Layout of a row of the position and those, if there are any.
-    layout: Option<Layout>,
+    layout: Option<RowLayout>,
     /// Warning of what is odd.
     warning: Option<String>,
 }
@@ -92,35 +92,35 @@ impl SplatColumns {
 
     /// Checks that memory can hold so many of them.
     pub fn check(&self, path: &std::path::Path, count: u64) -> Result<(), Error> {
-        let kept = self.layout.as_ref().map_or(0, Layout::bytes);
+        let kept = self.layout.as_ref().map_or(0, RowLayout::bytes);
         memory::check(path, count, Splats::bytes(self.degree) + kept)
     }
 }
 
 /// The columns of a row of the position and some properties.
-fn layout(properties: &[Column], kept: &[usize]) -> Option<Layout> {
+fn layout(properties: &[Column], kept: &[usize]) -> Option<RowLayout> {
     let position = ["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double));
     let kept = kept.iter().map(|&at| Column::new(&properties[at].name, properties[at].kind.clone()));
     let columns: Vec<_> = position.into_iter().chain(kept).collect();
-    Layout::new(&columns, FullScale::Typed).ok()
+    RowLayout::new(&columns, FullScale::Typed).ok()
 }
 
 /// Some splats, and what stays of their properties.
-pub(super) struct Part<'a> {
+pub(super) struct SplatPart<'a> {
     of: &'a SplatColumns,
     splats: Splats,
-    others: Option<Table>,
+    others: Option<PointTable>,
     row: Vec<f64>,
     harmonics: Vec<Vec3>,
 }
 
-impl<'a> Part<'a> {
+impl<'a> SplatPart<'a> {
     /// No splats, with room for some.
     pub fn new(of: &'a SplatColumns, room: usize) -> Self {
         Self {
             of,
             splats: Splats::new(of.degree, room),
-            others: of.layout.as_ref().map(|layout| Table::new(layout, 0)),
+            others: of.layout.as_ref().map(|layout| PointTable::new(layout, 0)),
             row: Vec::new(),
             harmonics: vec![Vec3::ZERO; coefficients(of.degree)],
         }
@@ -139,13 +139,13 @@ impl<'a> Part<'a> {
     }
 
     /// Returns the cloud of some parts, one behind the other.
-    pub fn finish(of: &SplatColumns, parts: Vec<Part>) -> Cloud {
+    pub fn finish(of: &SplatColumns, parts: Vec<SplatPart>) -> Cloud {
         let (splats, others): (Vec<_>, Vec<_>) = parts.into_iter().map(|part| (part.splats, part.others)).unzip();
         let cloud = Splats::join(of.degree, splats).finish(UpAxis::NegativeY);
         let others = of
             .layout
             .as_ref()
-            .map(|layout| Table::join(layout, others.into_iter().flatten().collect()).into_cloud(layout));
+            .map(|layout| PointTable::join(layout, others.into_iter().flatten().collect()).into_cloud(layout));
         let others = others.unwrap_or_default();
         let warnings = cloud.warnings.into_iter().chain(of.warning.clone()).collect();
         let (classification, intensity) = (others.classification, others.intensity);
@@ -158,7 +158,7 @@ pub(super) fn read_rows(rows: &VertexRows, of: &SplatColumns, progress: &Progres
     of.check(rows.file.path(), rows.count)?;
     progress.set_length(rows.count);
     let run = |places: Range<u64>| {
-        let mut part = Part::new(of, (places.end - places.start) as usize);
+        let mut part = SplatPart::new(of, (places.end - places.start) as usize);
         rows.blocks(places.clone(), |block| {
             (0..block.len()).for_each(|row| part.push(|at| block.value(row, at)));
         })?;
@@ -167,7 +167,7 @@ pub(super) fn read_rows(rows: &VertexRows, of: &SplatColumns, progress: &Progres
     };
     let runs = (0..rows.count.div_ceil(RUN)).into_par_iter();
     let parts = runs.map(|at| run(at * RUN..rows.count.min((at + 1) * RUN))).collect::<Result<_, Error>>()?;
-    Ok(Part::finish(of, parts))
+    Ok(SplatPart::finish(of, parts))
 }
 
 /// Returns the filter that comments name; the last of them counts.

@@ -37,7 +37,7 @@ pub fn write_to(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
         return write_splats::write(out, cloud, gaussians);
     }
     let position = narrowest_position(cloud);
-    write_layout(out, cloud, &Layout { position, color: Coding::Byte, alpha: Coding::Byte })
+    write_columns(out, cloud, &ColumnTypes { position, color: Coding::Byte, alpha: Coding::Byte })
 }
 
 /// Writes a cloud with its prepared data, so that reading it gives the same points to the bit, the vertical included.
@@ -53,7 +53,7 @@ pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
     }
     let channels =
         |colors: &Vec<Vec3>| Coding::narrowest(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
-    let layout = Layout {
+    let types = ColumnTypes {
         position: ScalarType::Double,
         color: cloud.colors.as_ref().map_or(Coding::Byte, channels),
         alpha: cloud
@@ -61,7 +61,7 @@ pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
             .as_ref()
             .map_or(Coding::Byte, |alphas| Coding::narrowest(alphas.iter().copied(), same, same)),
     };
-    let written = atomic::write(path, |out| write_layout(out, cloud, &layout));
+    let written = atomic::write(path, |out| write_columns(out, cloud, &types));
     written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
@@ -70,7 +70,7 @@ fn same(x: f32) -> f32 {
 }
 
 /// Types of the columns that allow several.
-struct Layout {
+struct ColumnTypes {
     position: ScalarType,
     color: Coding,
     alpha: Coding,
@@ -143,9 +143,9 @@ impl<'a> Property<'a> {
 }
 
 /// Writes the whole file.
-fn write_layout(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
-    let (color, alpha) = (layout.color, layout.alpha);
-    let mut properties = vec![position(cloud, layout.position.clone())];
+fn write_columns(out: &mut impl Write, cloud: &Cloud, types: &ColumnTypes) -> std::io::Result<()> {
+    let (color, alpha) = (types.color, types.alpha);
+    let mut properties = vec![position(cloud, types.position.clone())];
     if let Some(colors) = &cloud.colors {
         let names = if color == Coding::Float { LINEAR_COLOR[0] } else { ["red", "green", "blue"] };
         properties.push(Property::new(names, color.scalar(), move |record, index| {

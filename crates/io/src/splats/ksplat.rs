@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3, Vec3};
 
 use super::{Splat, Splats, all_bytes, check_count};
 use crate::number::{float, half, short, word};
-use crate::{Error, SharedFile, Source};
+use crate::{Error, InputFile, SharedFile};
 use pellucid_core::cloud::gaussians::coefficients;
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
@@ -46,7 +46,7 @@ struct Section<'a> {
     ends: Vec<u64>,
 }
 
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let (file, bytes) = all_bytes(source)?;
     if bytes.len() < HEADER {
         return Err(file.truncated(format!("the file has {} bytes, but the header alone has {HEADER}", bytes.len())));

@@ -24,7 +24,7 @@ pub(super) use sog::{META, is_folder};
 
 use std::path::Path;
 
-use super::{Error, SharedFile, Source, memory};
+use super::{Error, InputFile, SharedFile, memory};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::progress::Progress;
 
@@ -33,7 +33,7 @@ use pellucid_core::progress::Progress;
 const MOST_PER_BYTE: u64 = 32;
 
 /// The reader of a format of files that hold nothing but splats.
-pub(super) type Reader = fn(Source, &Progress) -> Result<Cloud, Error>;
+pub(super) type Reader = fn(InputFile, &Progress) -> Result<Cloud, Error>;
 
 /// Returns the reader of a file with these first bytes; if they are those of no format, that of its extension, which is
 /// in lower case.
@@ -57,7 +57,7 @@ pub(super) fn has_extension(extension: &str) -> bool {
 }
 
 /// All bytes of a file, if the memory holds them.
-fn all_bytes(source: Source) -> Result<(SharedFile, Vec<u8>), Error> {
+fn all_bytes(source: InputFile) -> Result<(SharedFile, Vec<u8>), Error> {
     let file = SharedFile::from(source);
     memory::check(file.path(), file.len(), 1)?;
     let bytes = file.read(0, file.len())?;

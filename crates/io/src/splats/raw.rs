@@ -7,14 +7,14 @@ use glam::{DQuat, DVec3};
 
 use super::{Splat, Splats, all_bytes, check_count};
 use crate::number::float;
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
 
 /// Bytes of a splat.
 const ROW: usize = 32;
 
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let (rows, rest) = (source.len / ROW as u64, source.len % ROW as u64);
     if rest != 0 {
         return Err(source.truncated(format!(

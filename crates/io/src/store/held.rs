@@ -10,13 +10,13 @@ use pellucid_core::cloud::gaussians::reach;
 
 /// A cloud in memory.
 #[derive(Debug, Clone)]
-pub struct Held {
+pub struct MemoryStore {
     summary: Summary,
     nodes: Vec<Node>,
     cloud: Cloud,
 }
 
-impl Held {
+impl MemoryStore {
     /// Returns a cloud with points, as one node.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Held {
     }
 }
 
-impl Store for Held {
+impl Store for MemoryStore {
     known!();
 
     fn read(&self, _node: usize) -> Result<Piece, Error> {
@@ -64,12 +64,12 @@ mod tests {
     fn a_cloud_is_one_node() {
         let scalars = vec![("echo".to_owned(), vec![2.0, f32::NAN, -1.0])];
         let cloud = Cloud { positions: [0.0, 1.0, 2.0].map(DVec3::splat).to_vec(), scalars, ..Cloud::default() };
-        let store = Held::new(Path::new("here"), cloud.clone()).unwrap();
+        let store = MemoryStore::new(Path::new("here"), cloud.clone()).unwrap();
         assert_eq!((store.summary().points, store.nodes().len()), (3, 1));
         assert_eq!(store.summary().ranges, [("echo".to_owned(), [-1.0, 2.0])]);
         assert!(store.summary().like.is_empty());
         let piece = store.read(0).unwrap();
         assert_eq!((piece.cloud.positions, piece.places), (cloud.positions, vec![0, 1, 2]));
-        assert!(matches!(Held::new(Path::new("here"), Cloud::default()), Err(Error::NoPoints { .. })));
+        assert!(matches!(MemoryStore::new(Path::new("here"), Cloud::default()), Err(Error::NoPoints { .. })));
     }
 }

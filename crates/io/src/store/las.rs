@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Node, PIECE, Piece, Store, Summary};
 use crate::las::{Chunk, Columns, LasFile, Traits};
-use crate::{Error, LasColumns, Source};
+use crate::{Error, InputFile, LasColumns};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::progress::Progress;
 
@@ -36,7 +36,7 @@ impl LasPieces {
     /// Returns the errors of [`io::load`](crate::load) that show before the points are read, and an error if the header
     /// makes coordinates infinite.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
-        Self::new(LasFile::open(Source::open(path)?, asked)?)
+        Self::new(LasFile::open(InputFile::open(path)?, asked)?)
     }
 
     pub(super) fn new(file: LasFile) -> Result<Self, Error> {
@@ -44,7 +44,7 @@ impl LasPieces {
         let pieces = pieces(&file.chunks);
         let claimed = file.header.claimed_bounds();
         let is_fine = |bounds: &Bounds| claimed.is_some_and(|claimed| claimed.holds(bounds));
-        let survey = Survey::of(&file, file.chunks.iter(), Some(&is_fine))?;
+        let survey = LasSurvey::of(&file, file.chunks.iter(), Some(&is_fine))?;
         let boxes = &survey.boxes;
         let whole = boxes.iter().copied().reduce(Bounds::union);
         let bounds = if boxes.len() == file.chunks.len() { whole } else { claimed };
@@ -141,13 +141,13 @@ pub(super) fn no_points(file: &LasFile) -> Error {
 const MOST_AT_A_TIME: usize = 64;
 
 /// Facts that decide about the columns of a file, from as many of its chunks as that takes.
-pub(super) struct Survey {
+pub(super) struct LasSurvey {
     pub traits: Traits,
     /// The boxes of the points of the chunks that were decoded for it, in their order, if they are asked for.
     pub boxes: Vec<Bounds>,
 }
 
-impl Survey {
+impl LasSurvey {
     /// Decodes chunks in this order until nothing in the others can matter. `is_fine`, if it is there, says of the box
     /// of a chunk's points whether it is what it should be; where it isn't, all chunks are decoded.
     pub fn of<'a>(

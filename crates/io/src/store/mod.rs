@@ -35,7 +35,7 @@ use super::Error;
 pub use copc::Copc;
 pub use ept::Ept;
 pub use grid::Grid;
-pub use held::Held;
+pub use held::MemoryStore;
 pub use las::LasPieces;
 pub use octree::Octree;
 pub use open::{announced, has_levels, is_folder, open};
@@ -66,14 +66,14 @@ pub trait Store: Debug + Send + Sync {
     ///
     /// # Errors
     /// Returns an error if the survey can't be read, or is that of another store.
-    fn survey(&self) -> Result<Option<Survey>, Error> {
+    fn survey(&self) -> Result<Option<StoreSurvey>, Error> {
         Ok(None)
     }
 }
 
 /// Facts that follow from all points of a cloud.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Survey {
+pub struct StoreSurvey {
     /// Facts about all points.
     pub facts: Facts,
     /// The points that stand for all ([`Sampling`](pellucid_core::cloud::sampling::Sampling)), in any order.

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store, Summary};
+use super::{Copc, Ept, LasPieces, MemoryStore, Octree, PlyPieces, Store, Summary};
 use crate::las::LasFile;
 use crate::ply::{Vertices, is_prepared};
-use crate::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with, splats};
+use crate::{Error, Format, Hints, InputFile, NAMES_WITHOUT_EFFECT, load_with, splats};
 use pellucid_core::progress::Progress;
 
 /// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder
@@ -17,14 +17,14 @@ use pellucid_core::progress::Progress;
 /// # Errors
 /// Returns the errors of each store's `open`, and of [`load_with`].
 pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
-    let found = Found::at(path)?;
-    if matches!(found, Found::Las(_) | Found::Ply(_)) {
+    let found = StoreFormat::at(path)?;
+    if matches!(found, StoreFormat::Las(_) | StoreFormat::Ply(_)) {
         refuse_photo(path, &hints)?;
     }
     match found {
-        Found::Ept => hinted(path, &hints, Ept::open(path, hints.las)?, |store| &mut store.summary),
-        Found::Octree => hinted(path, &hints, Octree::open(path)?, |store| &mut store.summary),
-        Found::Las(source) => {
+        StoreFormat::Ept => hinted(path, &hints, Ept::open(path, hints.las)?, |store| &mut store.summary),
+        StoreFormat::Octree => hinted(path, &hints, Octree::open(path)?, |store| &mut store.summary),
+        StoreFormat::Las(source) => {
             let file = LasFile::open(source, hints.las)?;
             if file.header.copc.is_some() {
                 hinted(path, &hints, Copc::new(file)?, |store| &mut store.summary)
@@ -32,25 +32,25 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
                 hinted(path, &hints, LasPieces::new(file)?, |store| &mut store.summary)
             }
         }
-        Found::Ply(source) => match PlyPieces::new(source)? {
+        StoreFormat::Ply(source) => match PlyPieces::new(source)? {
             Some(store) => hinted(path, &hints, store, |store| &mut store.summary),
             None => whole(path, hints, progress),
         },
-        Found::Whole => whole(path, hints, progress),
+        StoreFormat::Whole => whole(path, hints, progress),
     }
 }
 
-/// Target of a path.
-enum Found {
+/// Format of the cloud at a path.
+enum StoreFormat {
     Ept,
     Octree,
-    Las(Source),
-    Ply(Source),
+    Las(InputFile),
+    Ply(InputFile),
     /// A file or folder that is read as a whole.
     Whole,
 }
 
-impl Found {
+impl StoreFormat {
     fn at(path: &Path) -> Result<Self, Error> {
         if is_ept(path) {
             return Ok(Self::Ept);
@@ -61,7 +61,7 @@ impl Found {
         if splats::is_folder(path) {
             return Ok(Self::Whole);
         }
-        let mut source = Source::open(path)?;
+        let mut source = InputFile::open(path)?;
         let start = source.peek()?;
         Ok(match Format::detect(&source, &start) {
             Ok(Format::Las) => Self::Las(source),
@@ -77,18 +77,18 @@ impl Found {
 /// # Errors
 /// Returns an error if the file can't be opened.
 pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)>, Error> {
-    Ok(match Found::at(path)? {
-        Found::Ept => Some((Ept::open(path, hints.las)?.summary().points, None)),
-        Found::Octree => {
+    Ok(match StoreFormat::at(path)? {
+        StoreFormat::Ept => Some((Ept::open(path, hints.las)?.summary().points, None)),
+        StoreFormat::Octree => {
             let Summary { points, like, .. } = Octree::open(path)?.summary;
             Some((points, like.gaussians.map(|splats| splats.degree)))
         }
-        Found::Las(source) => Some((LasFile::open(source, hints.las)?.header.count, None)),
-        Found::Ply(source) => match Vertices::find(source)? {
+        StoreFormat::Las(source) => Some((LasFile::open(source, hints.las)?.header.count, None)),
+        StoreFormat::Ply(source) => match Vertices::find(source)? {
             (Vertices::Rows(rows), comments) if !is_prepared(&comments) => Some((rows.count, None)),
             _ => None,
         },
-        Found::Whole => None,
+        StoreFormat::Whole => None,
     })
 }
 
@@ -102,10 +102,10 @@ pub fn is_folder(path: &Path) -> bool {
 /// # Errors
 /// Returns an error if the file can't be opened.
 pub fn has_levels(path: &Path, hints: &Hints) -> Result<bool, Error> {
-    Ok(match Found::at(path)? {
-        Found::Ept | Found::Octree => true,
-        Found::Las(source) => LasFile::open(source, hints.las)?.header.copc.is_some(),
-        Found::Ply(_) | Found::Whole => false,
+    Ok(match StoreFormat::at(path)? {
+        StoreFormat::Ept | StoreFormat::Octree => true,
+        StoreFormat::Las(source) => LasFile::open(source, hints.las)?.header.copc.is_some(),
+        StoreFormat::Ply(_) | StoreFormat::Whole => false,
     })
 }
 
@@ -114,7 +114,7 @@ fn is_ept(path: &Path) -> bool {
 }
 
 fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
-    Ok(Box::new(Held::new(path, load_with(path, hints, progress)?)?))
+    Ok(Box::new(MemoryStore::new(path, load_with(path, hints, progress)?)?))
 }
 
 /// A store that warns of hints that are for other files.

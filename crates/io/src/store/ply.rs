@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{Node, PIECE, Piece, Store, Summary};
-use crate::columns::{Table, Whole};
+use crate::columns::{PointTable, TableFacts};
 use crate::ply::{VertexRows, Vertices, is_prepared, step, vertical};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::progress::Progress;
 
@@ -20,7 +20,7 @@ use pellucid_core::progress::Progress;
 #[derive(Debug)]
 pub struct PlyPieces {
     rows: VertexRows,
-    whole: Whole,
+    whole: TableFacts,
     /// The rows of each node.
     pieces: Vec<Range<u64>>,
     nodes: Vec<Node>,
@@ -34,7 +34,7 @@ impl PlyPieces {
     /// Returns the errors of [`io::load`](crate::load), and an error for a file that has to be read as a whole: text,
     /// vertices with lists, Gaussian splats, or points that `pellucid prepare` wrote.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let mut source = Source::open(path)?;
+        let mut source = InputFile::open(path)?;
         let start = source.peek()?;
         if !start.starts_with(b"ply") {
             return Err(source.malformed("byte 0", "this is not a PLY file"));
@@ -50,12 +50,12 @@ impl PlyPieces {
     }
 
     /// Returns the pieces of a PLY file; `None` if it has to be read as a whole.
-    pub(super) fn new(source: Source) -> Result<Option<Self>, Error> {
+    pub(super) fn new(source: InputFile) -> Result<Option<Self>, Error> {
         let (Vertices::Rows(rows), comments) = Vertices::find(source)? else { return Ok(None) };
         if is_prepared(&comments) {
             return Ok(None);
         }
-        let mut survey = Survey::new(&rows);
+        let mut survey = PlySurvey::new(&rows);
         let (mut pieces, mut nodes) = (Vec::new(), Vec::new());
         for start in (0..rows.count).step_by(PIECE as usize) {
             let piece = start..rows.count.min(start + PIECE);
@@ -68,7 +68,7 @@ impl PlyPieces {
             return Err(Error::NoPoints { path: rows.file.path().to_path_buf(), non_finite: survey.non_finite });
         };
         let (up, up_reason) = vertical(&bounds, &survey.sample);
-        let like = Table::new(&rows.layout, 0).finish(&rows.layout, &survey.whole);
+        let like = PointTable::new(&rows.layout, 0).finish(&rows.layout, &survey.whole);
         let like = Cloud { up, up_reason, non_finite: survey.non_finite, ..like };
         let points = nodes.iter().map(|node| node.points).sum();
         let path = rows.file.path().to_path_buf();
@@ -99,8 +99,8 @@ impl Store for PlyPieces {
 }
 
 /// Facts that all points tell together.
-struct Survey {
-    whole: Whole,
+struct PlySurvey {
+    whole: TableFacts,
     non_finite: usize,
     /// Finite points so far.
     points: usize,
@@ -109,9 +109,9 @@ struct Survey {
     step: usize,
 }
 
-impl Survey {
+impl PlySurvey {
     fn new(rows: &VertexRows) -> Self {
-        Self { whole: Whole::NONE, non_finite: 0, points: 0, sample: Vec::new(), step: step(rows.count) }
+        Self { whole: TableFacts::NONE, non_finite: 0, points: 0, sample: Vec::new(), step: step(rows.count) }
     }
 
     /// Adds some rows; the node of them, or nothing if none of their points is finite.

@@ -161,11 +161,11 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::store::Held;
+    use crate::store::MemoryStore;
     use pellucid_core::cloud::UpAxis;
 
     fn held(path: &str, cloud: Cloud) -> Box<dyn Store> {
-        Box::new(Held::new(Path::new(path), cloud).unwrap())
+        Box::new(MemoryStore::new(Path::new(path), cloud).unwrap())
     }
 
     fn line(points: usize, x: f64) -> Cloud {

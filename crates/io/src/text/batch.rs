@@ -115,7 +115,7 @@ fn parse(part: &[u8], mut fields: Fields, columns: usize) -> Option<(Vec<f64>, F
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Source;
+    use crate::InputFile;
 
     #[test]
     fn odd_lines_are_left_to_others() {
@@ -145,7 +145,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("lines");
         std::fs::write(&path, "a\nb\n\nc").unwrap();
-        let mut source = Source::open(&path).unwrap();
+        let mut source = InputFile::open(&path).unwrap();
         let (mut lines, mut line) = (Lines::new(&mut source), String::new());
         assert!(lines.next(&mut line).unwrap());
         let batch = Batch::read(&mut lines).unwrap().unwrap();

@@ -3,14 +3,14 @@
 use std::io::{BufRead, Read};
 
 use crate::number::number;
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 
 /// Longest line that is read: a table of numbers has no longer ones.
 pub(super) const MAX_LINE: u64 = 1 << 20;
 
 /// The lines of a text, one at a time.
 pub(super) struct Lines<'s> {
-    pub source: &'s mut Source,
+    pub source: &'s mut InputFile,
     bytes: Vec<u8>,
     /// Number of the line last read, from 1.
     pub number: u64,
@@ -19,7 +19,7 @@ pub(super) struct Lines<'s> {
 }
 
 impl<'s> Lines<'s> {
-    pub fn new(source: &'s mut Source) -> Self {
+    pub fn new(source: &'s mut InputFile) -> Self {
         Self { source, bytes: Vec::new(), number: 0, read: 0 }
     }
 

@@ -13,14 +13,14 @@ mod table;
 
 use pellucid_core::progress::Progress;
 
-use super::{Error, Source};
+use super::{Error, InputFile};
 pub use names::ColumnNames;
 use pellucid_core::cloud::{Cloud, UpAxis};
 pub(super) use table::looks_like_one;
 
 /// The kinds of text files.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum TextFormat {
     /// A table, which may begin with names.
     Table,
     /// Scans that each begin with their number of points.
@@ -29,7 +29,7 @@ pub(super) enum Kind {
     Ptx,
 }
 
-impl Kind {
+impl TextFormat {
     /// Returns the kind that files of an extension have, in lower case; `None` if they are no text.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension {
@@ -43,9 +43,9 @@ impl Kind {
 
 /// Reads the points of a text file; `start` are its first bytes.
 pub(super) fn read(
-    source: &mut Source,
+    source: &mut InputFile,
     start: &[u8],
-    kind: Kind,
+    kind: TextFormat,
     names: Option<&ColumnNames>,
     progress: &Progress,
 ) -> Result<Cloud, Error> {
@@ -56,8 +56,8 @@ pub(super) fn read(
         return Err(source.malformed(format!("byte {at}"), "binary data, not text"));
     }
     let mut cloud = match kind {
-        Kind::Ptx => ptx::read(source, names, progress)?,
-        Kind::Table | Kind::Pts => table::read(source, kind == Kind::Pts, names, progress)?,
+        TextFormat::Ptx => ptx::read(source, names, progress)?,
+        TextFormat::Table | TextFormat::Pts => table::read(source, kind == TextFormat::Pts, names, progress)?,
     };
     cloud.up = UpAxis::Z;
     Ok(cloud)

@@ -44,13 +44,13 @@ impl ColumnNames {
 }
 
 /// The columns of a table that are used, and where a line has them.
-pub(super) struct Layout {
+pub(super) struct UsedColumns {
     pub columns: Vec<Column>,
     pub at: Vec<usize>,
 }
 
-impl Layout {
-    /// Returns the layout of named columns: `-` is skipped, and a repeated name gets a number.
+impl UsedColumns {
+    /// Returns the columns of a line of names: `-` is skipped, and a repeated name gets a number.
     pub fn from_names(names: &[String]) -> Self {
         let mut taken: HashMap<String, usize> = HashMap::new();
         let (mut columns, mut at) = (Vec::new(), Vec::new());

@@ -8,20 +8,20 @@ use glam::{DMat4, DVec3, DVec4};
 use pellucid_core::progress::Progress;
 
 use super::lines::{Fields, Lines};
-use super::names::{ColumnNames, Layout, of_scanners};
+use super::names::{ColumnNames, UsedColumns, of_scanners};
 use super::table::LEAST_LINE;
 use crate::columns::{Columns, FullScale};
-use crate::{Error, PROGRESS_STEP, Source};
+use crate::{Error, InputFile, PROGRESS_STEP};
 use pellucid_core::cloud::Cloud;
 
 /// The values of a row, common to all scans; missing ones are NaN.
 const ALL: usize = 7;
 
 /// Reads all scans of a file as one cloud.
-pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut InputFile, given: Option<&ColumnNames>, progress: &Progress) -> Result<Cloud, Error> {
     let mut lines = Lines::new(source);
     let names = given.map_or_else(|| of_scanners(ALL).unwrap_or_default(), |given| given.as_slice().to_vec());
-    let Layout { columns, at } = Layout::from_names(&names);
+    let UsedColumns { columns, at } = UsedColumns::from_names(&names);
     let position = ["x", "y", "z"].map(|name| columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)));
     let [Some(x), Some(y), Some(z)] = position else { return Ok(Cloud::default()) };
     let mut table = Columns::new(&columns, FullScale::Measured)

@@ -6,9 +6,9 @@ use pellucid_core::progress::Progress;
 
 use super::batch::Batch;
 use super::lines::{Delimiter, Fields, Lines, any_number, comment};
-use super::names::{ColumnNames, Layout, by_values, of_scanners};
+use super::names::{ColumnNames, UsedColumns, by_values, of_scanners};
 use crate::columns::{self, FullScale};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use pellucid_core::cloud::Cloud;
 
 /// Bytes of the shortest line of a point: three digits, each with something behind it.
@@ -16,7 +16,7 @@ pub(super) const LEAST_LINE: u64 = 6;
 
 /// Reads a table. `pts`: columns without names are those of a PTS file.
 pub(super) fn read(
-    source: &mut Source,
+    source: &mut InputFile,
     pts: bool,
     given: Option<&ColumnNames>,
     progress: &Progress,
@@ -25,8 +25,12 @@ pub(super) fn read(
     let mut line = String::new();
     let Some(mut head) = Head::read(&mut lines, &mut line, given)? else { return Ok(Cloud::default()) };
     progress.set_length(lines.source.len / (line.len() as u64 + 1));
-    let mut table =
-        Table { rows: Rows::new(&lines, head.names.as_deref())?, block: head.block.take(), points: 0, row: Vec::new() };
+    let mut table = TextTable {
+        rows: TextRows::new(&lines, head.names.as_deref())?,
+        block: head.block.take(),
+        points: 0,
+        row: Vec::new(),
+    };
     table.take(&lines, &mut head, &line)?;
     while let Some(batch) = Batch::read(&mut lines)? {
         let before = table.points;
@@ -56,11 +60,11 @@ struct Head {
     fields: Fields,
     columns: usize,
     names: Option<Vec<String>>,
-    block: Option<Block>,
+    block: Option<AnnouncedBlock>,
 }
 
 /// A number of points that a line announces.
-struct Block {
+struct AnnouncedBlock {
     line: u64,
     announced: u64,
     /// Points before it.
@@ -79,7 +83,7 @@ impl Head {
             if let Some(text) = comment(line) {
                 remark = Some(text.to_owned());
             } else if let (None, None, Some(announced)) = (&block, &header, count(line)) {
-                block = Some(Block::new(lines, announced)?);
+                block = Some(AnnouncedBlock::new(lines, announced)?);
             } else if header.is_none() && !is_numbers(line, &skipped) {
                 header = Some((lines.number, Delimiter::detect(line).names(line)));
                 check_names(lines, header.as_ref(), given)?;
@@ -145,7 +149,7 @@ fn is_numbers(line: &str, skipped: &[bool]) -> bool {
     Fields::detect(line, skipped.to_vec()).numbers(line, &mut Vec::new()).is_ok()
 }
 
-impl Block {
+impl AnnouncedBlock {
     fn new(lines: &Lines, announced: u64) -> Result<Self, Error> {
         // The last line needs no end.
         let left = lines.source.len.saturating_sub(lines.read) + 1;
@@ -162,15 +166,15 @@ impl Block {
 }
 
 /// The points read so far, and the announced number of points.
-struct Table {
-    rows: Rows,
-    block: Option<Block>,
+struct TextTable {
+    rows: TextRows,
+    block: Option<AnnouncedBlock>,
     points: u64,
     /// The numbers of the line last taken.
     row: Vec<f64>,
 }
 
-impl Table {
+impl TextTable {
     /// Takes a line: a point, a comment, or the number of the points of another scan.
     fn take(&mut self, lines: &Lines, head: &mut Head, line: &str) -> Result<(), Error> {
         if comment(line).is_none() && !self.begins_block(lines, line)? {
@@ -188,13 +192,13 @@ impl Table {
             return Ok(false);
         }
         let Some(announced) = count(line) else { return Ok(false) };
-        self.block = Some(Block { start: self.points, ..Block::new(lines, announced)? });
+        self.block = Some(AnnouncedBlock { start: self.points, ..AnnouncedBlock::new(lines, announced)? });
         Ok(true)
     }
 
     /// Fails if points are missing; returns a warning if there are more than announced.
     fn check_block(&self, lines: &Lines) -> Result<Option<String>, Error> {
-        let Some(Block { line, announced, start }) = self.block else { return Ok(None) };
+        let Some(AnnouncedBlock { line, announced, start }) = self.block else { return Ok(None) };
         let found = self.points - start;
         if found < announced {
             let what = format!(
@@ -209,56 +213,56 @@ impl Table {
 }
 
 /// Rows as they come, in parts: in columns if these are known, else kept until all values are.
-struct Rows {
+struct TextRows {
     places: Option<Places>,
-    tables: Vec<columns::Table>,
+    tables: Vec<columns::PointTable>,
     kept: Vec<Vec<f64>>,
     /// The values of a row in the order of its columns.
     row: Vec<f64>,
 }
 
 /// Some of the rows: in columns, or their values.
-type Part = (Option<columns::Table>, Vec<f64>);
+type ParsedRows = (Option<columns::PointTable>, Vec<f64>);
 
 /// Roles of the values of a line.
 struct Places {
-    layout: columns::Layout,
+    layout: columns::RowLayout,
     /// The value of a line that each column of the layout takes.
     at: Vec<usize>,
 }
 
 impl Places {
     fn new(lines: &Lines, names: &[String]) -> Result<Self, Error> {
-        let Layout { columns, at } = Layout::from_names(names);
-        let layout = columns::Layout::new(&columns, FullScale::Measured)
+        let UsedColumns { columns, at } = UsedColumns::from_names(names);
+        let layout = columns::RowLayout::new(&columns, FullScale::Measured)
             .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
         Ok(Self { layout, at })
     }
 
-    fn push(&self, table: &mut columns::Table, values: &[f64], row: &mut Vec<f64>) {
+    fn push(&self, table: &mut columns::PointTable, values: &[f64], row: &mut Vec<f64>) {
         row.clear();
         row.extend(self.at.iter().map(|&at| values[at]));
         table.push(&self.layout, row);
     }
 
     /// The columns of rows of so many values.
-    fn table(&self, values: &[f64], columns: usize) -> columns::Table {
-        let mut table = columns::Table::new(&self.layout, 0);
+    fn table(&self, values: &[f64], columns: usize) -> columns::PointTable {
+        let mut table = columns::PointTable::new(&self.layout, 0);
         table.reserve(values.len() / columns);
         let mut row = Vec::with_capacity(self.at.len());
         values.chunks_exact(columns).for_each(|values| self.push(&mut table, values, &mut row));
         table
     }
 
-    fn finish(&self, parts: Vec<columns::Table>) -> Cloud {
-        columns::Table::join(&self.layout, parts).into_cloud(&self.layout)
+    fn finish(&self, parts: Vec<columns::PointTable>) -> Cloud {
+        columns::PointTable::join(&self.layout, parts).into_cloud(&self.layout)
     }
 }
 
-impl Rows {
+impl TextRows {
     fn new(lines: &Lines, names: Option<&[String]>) -> Result<Self, Error> {
         let places = names.map(|names| Places::new(lines, names)).transpose()?;
-        let tables = places.iter().map(|places| columns::Table::new(&places.layout, 0)).collect();
+        let tables = places.iter().map(|places| columns::PointTable::new(&places.layout, 0)).collect();
         Ok(Self { places, tables, kept: vec![Vec::new()], row: Vec::new() })
     }
 
@@ -271,7 +275,7 @@ impl Rows {
     }
 
     /// A part of rows of so many values.
-    fn part(&self, values: Vec<f64>, columns: usize) -> Part {
+    fn part(&self, values: Vec<f64>, columns: usize) -> ParsedRows {
         match &self.places {
             Some(places) => (Some(places.table(&values, columns)), Vec::new()),
             None => (None, values),
@@ -279,7 +283,7 @@ impl Rows {
     }
 
     /// Adds parts that [`Self::part`] made.
-    fn extend(&mut self, more: Vec<Part>) {
+    fn extend(&mut self, more: Vec<ParsedRows>) {
         for (table, values) in more {
             self.tables.extend(table);
             self.kept.push(values);

@@ -3,12 +3,12 @@
 use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom, Write};
 
 use flate2::read::ZlibDecoder;
-use pellucid_io::output::deep::{Layout, Numbers, Packing, Sample, State, Writer, Written};
+use pellucid_io::output::deep::{DeepLayout, Numbers, Packing, Sample, State, Writer, Written};
 use pellucid_testing_host::random;
 use rand::RngExt;
 
-fn layout(size: [u32; 2]) -> Layout {
-    Layout {
+fn layout(size: [u32; 2]) -> DeepLayout {
+    DeepLayout {
         size,
         state: State::Tidy,
         numbers: Numbers::Float,
@@ -23,7 +23,7 @@ fn sample(rgba: [f32; 4], depth: f32) -> Sample {
 }
 
 /// Writes pixels in parts of `step`.
-fn written(layout: &Layout, lists: &[Vec<Sample>], step: usize) -> (Vec<u8>, Written) {
+fn written(layout: &DeepLayout, lists: &[Vec<Sample>], step: usize) -> (Vec<u8>, Written) {
     let mut bytes = Vec::new();
     let mut writer = Writer::begin(Cursor::new(&mut bytes), layout).unwrap();
     for lists in lists.chunks(step) {
@@ -202,7 +202,7 @@ fn written_deep_images_are_read_back() {
         let lists = lists(240, volumes);
         for packing in [Packing::Zips, Packing::Raw] {
             for (state, value) in [(State::Tidy, 3), (State::Sorted, 1)] {
-                let layout = Layout { packing, state, volumes, ..layout([20, 12]) };
+                let layout = DeepLayout { packing, state, volumes, ..layout([20, 12]) };
                 let (bytes, counts) = written(&layout, &lists, 240);
                 assert_eq!(decoded(&bytes, size), (lists.clone(), value, 22));
                 let samples = lists.iter().map(Vec::len).sum::<usize>() as u64;
@@ -223,7 +223,7 @@ fn written_deep_images_are_read_back() {
 #[test]
 fn half_is_the_nearest_and_keeps_depths() {
     let lists = lists(240, true);
-    let layout = Layout { numbers: Numbers::Half, packing: Packing::Zips, volumes: true, ..layout([20, 12]) };
+    let layout = DeepLayout { numbers: Numbers::Half, packing: Packing::Zips, volumes: true, ..layout([20, 12]) };
     assert_eq!(layout.sample_bytes(), 16);
     let (bytes, _) = written(&layout, &lists, 240);
     let found = decoded(&bytes, [20, 12]).0;
@@ -238,8 +238,8 @@ fn half_is_the_nearest_and_keeps_depths() {
 
 #[test]
 fn files_that_cannot_be_are_refused() {
-    let begun = |layout: &Layout| Writer::begin(Cursor::new(Vec::new()), layout).map(drop);
-    let with = |metadata: &[(&str, &str)]| Layout {
+    let begun = |layout: &DeepLayout| Writer::begin(Cursor::new(Vec::new()), layout).map(drop);
+    let with = |metadata: &[(&str, &str)]| DeepLayout {
         metadata: metadata.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect(),
         ..layout([2, 2])
     };

@@ -10,7 +10,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_io::store::build::Settings;
-use pellucid_io::store::{Held, Store};
+use pellucid_io::store::{MemoryStore, Store};
 use pellucid_lab::check::{self, Lack, Subject};
 use pellucid_scene::prepare::{self, Arranged, DEFAULT_NEIGHBORS, Request, radius};
 use pellucid_scene::stored::{Stored, open_stores};
@@ -27,7 +27,7 @@ const HOST: u64 = 64 << 20;
 /// A store of a cloud with radii and a field; its path. With `normals` those that points lack are estimated.
 fn store(folder: &Path, name: &str, cloud: Cloud, normals: bool) -> PathBuf {
     let target = folder.join(name);
-    let input = [Box::new(Held::new(Path::new(name), cloud).expect("points")) as Box<dyn Store>];
+    let input = [Box::new(MemoryStore::new(Path::new(name), cloud).expect("points")) as Box<dyn Store>];
     let request = Request { normals, ..Request::default() };
     let built = prepare::store::prepare(&input, &target, &request, &SMALL, &Progress::hidden());
     built.expect("a store");

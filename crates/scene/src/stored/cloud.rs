@@ -18,7 +18,7 @@ use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::points::{Points, WholeSplats};
 use pellucid_core::progress::Progress;
 use pellucid_io as io;
-use pellucid_io::store::{Node, Piece, Store, Summary, Survey};
+use pellucid_io::store::{Node, Piece, Store, StoreSurvey, Summary};
 
 /// Place of a cloud in its scene.
 pub(super) struct Place<'a> {
@@ -69,7 +69,7 @@ impl StoredCloud {
             return Err(Error::Unprepared { path: settings.path.clone(), what }.into());
         }
         let field = request.unscaled_field(like);
-        let (Survey { facts, sample }, range) = opened.survey(settings, field.as_ref(), progress)?;
+        let (StoreSurvey { facts, sample }, range) = opened.survey(settings, field.as_ref(), progress)?;
         let bounds = facts.bounds.unwrap_or(store.summary().bounds);
         let field_error = |source| Error::Field { path: settings.path.clone(), source };
         let found = prepare::of_part(&sample, &request, bounds, range).map_err(field_error)?;

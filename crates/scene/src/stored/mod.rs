@@ -31,7 +31,7 @@ use crate::supply::{Block, Branch, Failure, Keep, Supply};
 use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::cloud::{Bounds, UpAxis};
-use pellucid_core::points::{Anchor, Points, Spheres, Unseen, Whole, WholeSplats};
+use pellucid_core::points::{Anchor, Points, Spheres, Unseen, WholeScene, WholeSplats};
 use pellucid_core::progress::{Phase, Progress};
 use pellucid_io as io;
 use pellucid_io::store;
@@ -168,7 +168,7 @@ impl Stored {
         let (cache, most) = (Cache::new(memory / 2), (memory / taken_bytes(splats)).max(1));
         let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache, sampled, most });
         let clouds = &nodes.clouds;
-        let whole = Whole {
+        let whole = WholeScene {
             count,
             bounds,
             largest_radius: clouds.iter().map(|cloud| cloud.largest_radius).fold(0.0, f32::max),
@@ -396,7 +396,7 @@ fn within(points: &Points, sampling: Sampling) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// Makes points that stand for all out of these.
-fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: Whole) -> Points {
+fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: WholeScene) -> Points {
     let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
     let (positions, radii) = unseen.iter().map(pick).unzip();
     let seen = points.subset(seen, 1.0);

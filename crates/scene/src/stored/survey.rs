@@ -12,7 +12,7 @@ use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::field::{self, Field};
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::progress::Progress;
-use pellucid_io::store::{Store, Summary, Survey};
+use pellucid_io::store::{Store, StoreSurvey, Summary};
 
 /// Nodes that are read at once at most, and of large ones about so many points for each thread.
 const BATCH: usize = 64;
@@ -32,7 +32,7 @@ pub struct OpenStore {
 #[derive(Debug, Clone)]
 struct Found {
     by: (f64, DVec3, Option<Field>),
-    survey: Survey,
+    survey: StoreSurvey,
     range: [f64; 2],
 }
 
@@ -48,7 +48,7 @@ impl OpenStore {
     }
 
     /// Returns the last survey; `None` before a scene was made of this store.
-    pub fn surveyed(&self) -> Option<Survey> {
+    pub fn surveyed(&self) -> Option<StoreSurvey> {
         self.found.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|found| found.survey.clone())
     }
 
@@ -62,7 +62,7 @@ impl OpenStore {
         settings: &CloudSettings,
         field: Option<&Field>,
         progress: &Progress,
-    ) -> Result<(Survey, [f64; 2]), crate::OpenError> {
+    ) -> Result<(StoreSurvey, [f64; 2]), crate::OpenError> {
         let by = (settings.scale, settings.translate, field.cloned());
         let mut known = self.found.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = known.as_ref().filter(|found| found.by == by) {
@@ -84,7 +84,7 @@ fn survey(
     settings: &CloudSettings,
     field: Option<&Field>,
     progress: &Progress,
-) -> Result<(Survey, [f64; 2]), crate::OpenError> {
+) -> Result<(StoreSurvey, [f64; 2]), crate::OpenError> {
     let summary = store.summary();
     let is_in_place = settings.scale == 1.0 && settings.translate == DVec3::ZERO;
     if field.is_none()
@@ -111,7 +111,7 @@ fn survey(
         }
         Ok((Facts::of(&cloud), cloud.subset(&taken), range))
     };
-    let mut found = Survey { facts: Facts::default(), sample: summary.like.clone() };
+    let mut found = StoreSurvey { facts: Facts::default(), sample: summary.like.clone() };
     let mut range = NONE;
     let nodes: Vec<usize> = (0..store.nodes().len()).filter(|node| store.nodes()[*node].points > 0).collect();
     let most = POINTS * rayon::current_num_threads() as u64;

@@ -7,7 +7,7 @@ use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::field::Field;
 use pellucid_core::progress::Progress;
 use pellucid_io::store::build::Settings;
-use pellucid_io::store::{Held, Octree, Store, open};
+use pellucid_io::store::{MemoryStore, Octree, Store, open};
 use pellucid_io::{self as io, Hints};
 use pellucid_scene::prepare::{self, Request};
 use pellucid_testing_host::{root, whole_clouds};
@@ -18,7 +18,7 @@ use rand_pcg::Pcg64Mcg;
 const TIGHT: Settings = Settings { node_points: 500, host_memory: 200 << 10 };
 
 fn held(cloud: Cloud) -> Box<dyn Store> {
-    Box::new(Held::new(Path::new("memory"), cloud).unwrap())
+    Box::new(MemoryStore::new(Path::new("memory"), cloud).unwrap())
 }
 
 /// All points of a store by their places.

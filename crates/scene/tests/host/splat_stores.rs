@@ -8,7 +8,7 @@ use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear, reach};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
 use pellucid_io::store::build::{Built, Settings, build};
-use pellucid_io::store::{Held, Octree, Store, announced, open};
+use pellucid_io::store::{MemoryStore, Octree, Store, announced, open};
 use pellucid_io::{Error, Hints};
 use pellucid_scene::prepare::{self, Request};
 use pellucid_testing_host::random;
@@ -49,7 +49,7 @@ fn settings(node_points: usize, host_memory: u64) -> Settings {
 const ROOMY: u64 = 1 << 30;
 
 fn held(cloud: Cloud) -> Box<dyn Store> {
-    Box::new(Held::new(Path::new("memory"), cloud).unwrap())
+    Box::new(MemoryStore::new(Path::new("memory"), cloud).unwrap())
 }
 
 fn written(inputs: &[Box<dyn Store>], settings: &Settings) -> (TempDir, PathBuf, Built) {
@@ -161,7 +161,7 @@ fn several_files_get_the_highest_degree() {
 fn splats_and_other_points_are_no_single_store() {
     let folder = tempfile::tempdir().unwrap();
     let points = Cloud { gaussians: None, ..soup(10, 0) };
-    let named = |name: &str, cloud| Box::new(Held::new(Path::new(name), cloud).unwrap()) as Box<dyn Store>;
+    let named = |name: &str, cloud| Box::new(MemoryStore::new(Path::new(name), cloud).unwrap()) as Box<dyn Store>;
     let inputs = [named("points.ply", points), named("splats.sog", soup(10, 0))];
     let target = folder.path().join("store");
     let error = build(&inputs, &target, &settings(100, ROOMY), &Progress::hidden()).unwrap_err();

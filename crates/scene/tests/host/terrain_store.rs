@@ -11,7 +11,7 @@ use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::progress::{Observer, Progress};
 use pellucid_io::Error;
 use pellucid_io::store::build::{Built, Cube, Settings, Streamed, Types, stream};
-use pellucid_io::store::{Grid, Held, Octree, Store, whole};
+use pellucid_io::store::{Grid, MemoryStore, Octree, Store, whole};
 use pellucid_scene::prepare;
 use pellucid_scene::procedural::terrain::Terrain;
 use pellucid_scene::{self as scene, Scene};
@@ -141,7 +141,7 @@ fn clouds_that_are_not_as_announced_are_refused() {
     let store = folder.path().join("store");
     let cloud = Cloud { positions: vec![DVec3::ZERO, DVec3::new(0.5, 0.25, 1.0)], ..Cloud::default() };
     let layout = Types::default().columns(&cloud);
-    let held = Held::new(Path::new("held"), cloud).unwrap();
+    let held = MemoryStore::new(Path::new("held"), cloud).unwrap();
     let write = |scale: f64, side: f64| {
         let grid = Grid { scale: DVec3::splat(scale), offset: DVec3::ZERO };
         let cube = Cube::around(grid, &Bounds { min: DVec3::ZERO, max: DVec3::splat(side) }).unwrap();

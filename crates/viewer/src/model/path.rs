@@ -6,7 +6,7 @@ use super::{Model, Pose, Setting, Task};
 use crate::messages::Saving;
 use crate::navigate::{Navigator, Subject, settings_of};
 use crate::route::Route;
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::{Defaults, Key, Problem, Turntable};
 use pellucid_scene::{CameraSettings, DEFAULT_FOV_Y, camera_at, path_defaults};
 
@@ -216,7 +216,7 @@ impl Model {
     }
 
     /// Takes in a file of cameras, as soon as a picture exists: its size and vertical may be needed.
-    pub fn take_path(&mut self, file: PathBuf, source: Source) {
+    pub fn take_path(&mut self, file: PathBuf, source: CameraSource) {
         self.arriving = Some((file, source));
         self.receive_path();
     }

@@ -25,7 +25,7 @@ const MAX_BYTES: u64 = 1 << 28;
 
 /// The source of a path.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Source {
+pub enum CameraSource {
     /// Key frames of this program.
     Path(CameraPath),
     /// Cameras of another one.
@@ -76,7 +76,7 @@ impl Cameras {
     }
 }
 
-impl Source {
+impl CameraSource {
     /// Reads a file or a folder: key frames, nerfstudio's JSON (recognized by its `frames`), or a COLMAP model (a
     /// folder, one of its files, or the folder above `sparse/0`).
     ///

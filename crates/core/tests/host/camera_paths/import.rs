@@ -4,19 +4,19 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::CameraPath;
 use tempfile::TempDir;
 
 use super::curve;
 
-fn read(path: &Path) -> Source {
-    Source::read(path).unwrap_or_else(|error| panic!("{error}"))
+fn read(path: &Path) -> CameraSource {
+    CameraSource::read(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[track_caller]
 fn refused(path: &Path, says: &str) {
-    let error = Source::read(path).expect_err(says);
+    let error = CameraSource::read(path).expect_err(says);
     let message = error.to_string();
     assert!(message.contains(says) && message.contains(path.file_name().unwrap().to_str().unwrap()), "{message}");
 }
@@ -145,7 +145,7 @@ fn model(folder: &TempDir, cameras: &str) -> std::path::PathBuf {
 }
 
 #[track_caller]
-fn assert_model(source: &Source) {
+fn assert_model(source: &CameraSource) {
     let size = [200, 100];
     assert_eq!(source.size(), Some(size));
     let keys = source.path(size);
@@ -193,7 +193,7 @@ fn damaged_colmap_text_names_its_line() {
     let path = |name: &str| folder.path().join(name);
     let said = |cameras: &str| {
         model(&folder, cameras);
-        Source::read(folder.path()).expect_err(cameras).to_string()
+        CameraSource::read(folder.path()).expect_err(cameras).to_string()
     };
     for (cameras, says) in [
         ("\n# x\n1 PINHOLE 200 100 100 100 100", "cameras.txt:3:1: PINHOLE has 4 parameters, not 3"),
@@ -222,7 +222,7 @@ fn damaged_colmap_text_names_its_line() {
         ("1 1 0 0", "QZ is missing"),
     ] {
         fs::write(path("images.txt"), images).unwrap();
-        let message = Source::read(folder.path()).expect_err(images).to_string();
+        let message = CameraSource::read(folder.path()).expect_err(images).to_string();
         assert!(message.contains(says), "{message} for {says}");
     }
 }
@@ -271,25 +271,25 @@ fn colmap_binary_by_hand_and_cut_anywhere() {
         let mut many = whole.clone();
         many[i][..8].copy_from_slice(&u64::MAX.to_le_bytes());
         write(&many);
-        assert!(Source::read(folder.path()).unwrap_err().to_string().contains("too short"));
+        assert!(CameraSource::read(folder.path()).unwrap_err().to_string().contains("too short"));
     }
     let mut points = whole.clone();
     let at = points[1].len() - 8;
     points[1][at..].copy_from_slice(&(u64::MAX / 2).to_le_bytes());
     write(&points);
-    assert!(Source::read(folder.path()).unwrap_err().to_string().contains("ends too early"));
+    assert!(CameraSource::read(folder.path()).unwrap_err().to_string().contains("ends too early"));
     let mut unknown = whole.clone();
     unknown[0][12] = 200;
     write(&unknown);
-    assert!(Source::read(folder.path()).unwrap_err().to_string().contains("camera 1: unknown camera model 200"));
+    assert!(CameraSource::read(folder.path()).unwrap_err().to_string().contains("camera 1: unknown camera model 200"));
 }
 
 #[test]
 fn missing_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let empty = Source::read(folder.path()).unwrap_err();
+    let empty = CameraSource::read(folder.path()).unwrap_err();
     assert!(empty.exit_status() == 2 && empty.to_string().contains("neither a transforms.json"), "{empty}");
-    let missing = Source::read(&folder.path().join("none.json")).unwrap_err();
+    let missing = CameraSource::read(&folder.path().join("none.json")).unwrap_err();
     assert_eq!(missing.exit_status(), 1);
     fs::write(folder.path().join("latin.json"), b"\xff\xfe").unwrap();
     refused(&folder.path().join("latin.json"), "latin.json");

@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use half::f16;
 
-use super::{Layout, Numbers, Packing, Sample, invalid};
+use super::{DeepLayout, Numbers, Packing, Sample, invalid};
 
 /// Bytes of a chunk before its tables: row, and three sizes.
 pub(super) const HEAD_BYTES: u64 = 4 + 3 * 8;
@@ -25,7 +25,7 @@ impl Line<'_> {
     ///
     /// # Errors
     /// 2 GiB or more, which OpenEXR does not read.
-    pub(super) fn encode(&self, layout: &Layout) -> io::Result<Vec<u8>> {
+    pub(super) fn encode(&self, layout: &DeepLayout) -> io::Result<Vec<u8>> {
         let unpacked = unpacked_bytes(self.y, self.samples.len() as u64, layout)?;
         let mut sum = 0u32;
         let counts = self.lengths.iter().flat_map(|n| {
@@ -43,7 +43,7 @@ impl Line<'_> {
     }
 
     /// All values of A, then all of B, G, R, Z, and ZBack if there is one.
-    fn channels(&self, layout: &Layout) -> Vec<u8> {
+    fn channels(&self, layout: &DeepLayout) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.samples.len() * layout.sample_bytes() as usize);
         for channel in [3, 2, 1, 0] {
             let values = self.samples.iter().map(|sample| sample.rgba[channel]);
@@ -61,7 +61,7 @@ impl Line<'_> {
 }
 
 /// Bytes of a row of so many samples.
-fn unpacked_bytes(y: u32, samples: u64, layout: &Layout) -> io::Result<u64> {
+fn unpacked_bytes(y: u32, samples: u64, layout: &DeepLayout) -> io::Result<u64> {
     let bytes = samples * layout.sample_bytes();
     if bytes > i32::MAX as u64 {
         return Err(invalid(format!(
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn lines_that_nobody_reads_are_refused() {
-        let layout = Layout {
+        let layout = DeepLayout {
             size: [1, 1],
             state: State::Tidy,
             numbers: Numbers::Float,

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use super::{Layout, Numbers, Packing, State, invalid};
+use super::{DeepLayout, Numbers, Packing, State, invalid};
 
 /// Magic number and version 2 with the bit of files that are no images of one value per pixel.
 const BEGIN: [u8; 8] = [0x76, 0x2f, 0x31, 0x01, 2, 0x08, 0, 0];
@@ -30,7 +30,7 @@ pub(super) struct Header {
 /// # Errors
 /// Names of metadata that are empty, longer than 255 bytes, hold a zero, or are the name of another attribute; values
 /// of 2 GiB.
-pub(super) fn bytes(layout: &Layout) -> io::Result<Header> {
+pub(super) fn bytes(layout: &DeepLayout) -> io::Result<Header> {
     const LONGEST: &str = "maxSamplesPerPixel";
     let [width, height] = layout.size.map(|side| side as i32);
     let window: Vec<u8> = [0, 0, width - 1, height - 1].iter().flat_map(|v: &i32| v.to_le_bytes()).collect();
@@ -84,7 +84,7 @@ pub(super) fn bytes(layout: &Layout) -> io::Result<Header> {
 }
 
 /// The list of channels, by name.
-fn channels(layout: &Layout) -> Vec<u8> {
+fn channels(layout: &DeepLayout) -> Vec<u8> {
     let color = if layout.numbers == Numbers::Half { HALF } else { FLOAT };
     let mut bytes = Vec::new();
     let back = layout.volumes.then_some(("ZBack", FLOAT));

@@ -56,7 +56,7 @@ pub enum Packing {
 
 /// Contents of a file except its samples.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
+pub struct DeepLayout {
     /// Columns and rows, at least 1 each.
     pub size: [u32; 2],
     /// Order of the samples.
@@ -71,7 +71,7 @@ pub struct Layout {
     pub metadata: Vec<(String, String)>,
 }
 
-impl Layout {
+impl DeepLayout {
     /// Bytes of a sample before it is packed.
     pub fn sample_bytes(&self) -> u64 {
         let color = if self.numbers == Numbers::Half { 2 } else { 4 };
@@ -105,7 +105,7 @@ pub struct Written {
 /// Writes a file whose pixels come row by row.
 pub struct Writer<'a, W> {
     out: W,
-    layout: &'a Layout,
+    layout: &'a DeepLayout,
     /// Offset of the length of the longest list; the table of lines follows.
     longest_at: u64,
     table_at: u64,
@@ -124,7 +124,7 @@ impl<'a, W: Write + Seek> Writer<'a, W> {
     /// # Errors
     /// Returns the errors of the system, and an error for output that one can't go back in, and metadata that no header
     /// can hold.
-    pub fn begin(mut out: W, layout: &'a Layout) -> io::Result<Self> {
+    pub fn begin(mut out: W, layout: &'a DeepLayout) -> io::Result<Self> {
         out.stream_position().map_err(|_| invalid("a deep EXR can't go to a pipe; name a file"))?;
         let header = header::bytes(layout)?;
         out.write_all(&header.bytes)?;

@@ -2,14 +2,14 @@
 
 use super::buffers::Buffers;
 use super::document::Document;
-use crate::number::Kind;
+use crate::number::NumberType;
 
 /// Numbers of one attribute, some for each splat.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Numbers<'a> {
     bytes: &'a [u8],
     stride: usize,
-    kind: Kind,
+    kind: NumberType,
     /// Bytes of a number.
     size: usize,
     normalized: bool,
@@ -17,14 +17,14 @@ pub(super) struct Numbers<'a> {
 }
 
 /// The type of a number by glTF's code.
-fn kind(component_type: u32) -> Option<Kind> {
+fn kind(component_type: u32) -> Option<NumberType> {
     Some(match component_type {
-        5120 => Kind::Int8,
-        5121 => Kind::Uint8,
-        5122 => Kind::Int16,
-        5123 => Kind::Uint16,
-        5125 => Kind::Uint32,
-        5126 => Kind::Float,
+        5120 => NumberType::Int8,
+        5121 => NumberType::Uint8,
+        5122 => NumberType::Int16,
+        5123 => NumberType::Uint16,
+        5125 => NumberType::Uint32,
+        5126 => NumberType::Float,
         _ => return None,
     })
 }
@@ -79,11 +79,11 @@ impl<'a> Numbers<'a> {
         // The number that means 1 where numbers are normalized.
         let one: f64 = match self.kind {
             _ if !self.normalized => return number,
-            Kind::Int8 => i8::MAX.into(),
-            Kind::Uint8 => u8::MAX.into(),
-            Kind::Int16 => i16::MAX.into(),
-            Kind::Uint16 => u16::MAX.into(),
-            Kind::Uint32 => u32::MAX.into(),
+            NumberType::Int8 => i8::MAX.into(),
+            NumberType::Uint8 => u8::MAX.into(),
+            NumberType::Int16 => i16::MAX.into(),
+            NumberType::Uint16 => u16::MAX.into(),
+            NumberType::Uint32 => u32::MAX.into(),
             _ => return number,
         };
         f64::max(number / one, -1.0)

@@ -8,7 +8,7 @@ use base64::prelude::BASE64_STANDARD;
 
 use super::super::all_bytes;
 use super::document::{Buffer, Document};
-use crate::{Error, SharedFile, Source};
+use crate::{Error, InputFile, SharedFile};
 
 /// All buffers.
 pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
@@ -62,7 +62,7 @@ fn one<'a>(
     let name = decoded(uri).filter(|name| !name.contains("://") && !Path::new(name).is_absolute());
     let name = name.ok_or_else(|| wrong(&format!("{uri:?} is not the name of a file next to this one")))?;
     let path = file.path().parent().map(PathBuf::from).unwrap_or_default().join(name);
-    Ok(all_bytes(Source::open(&path)?)?.1.into())
+    Ok(all_bytes(InputFile::open(&path)?)?.1.into())
 }
 
 /// The text of a URI: a percent sign and two digits stand for a byte.

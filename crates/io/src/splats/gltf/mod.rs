@@ -12,7 +12,7 @@ mod primitive;
 mod turn;
 
 use super::{Splats, all_bytes, check_count};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use buffers::Buffers;
 use document::Document;
 use nodes::Placed;
@@ -26,7 +26,7 @@ pub(super) const MAGIC: &[u8] = b"glTF";
 /// The extension of splats, which is also what the names of their attributes begin with.
 const EXTENSION: &str = "KHR_gaussian_splatting";
 
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let (file, bytes) = all_bytes(source)?;
     let (text, binary) = document::chunks(&file, &bytes)?;
     let document = Document::parse(text).map_err(|cause| file.malformed("JSON", cause))?;

@@ -8,7 +8,7 @@ use rawzip::{CompressionMethod, ZipArchive};
 
 use super::super::all_bytes;
 use super::{MAGIC, META};
-use crate::{Error, SharedFile, Source};
+use crate::{Error, InputFile, SharedFile};
 
 /// Bytes that may come of a byte of an archive, at most. Pictures can't be packed any further, and text not by so much.
 const MOST_PER_BYTE: u64 = 64;
@@ -22,7 +22,7 @@ pub(super) enum Files {
 }
 
 impl Files {
-    pub fn open(source: Source) -> Result<Self, Error> {
+    pub fn open(source: InputFile) -> Result<Self, Error> {
         let (file, bytes) = all_bytes(source)?;
         if !bytes.starts_with(MAGIC) {
             let folder = file.path().parent().map(PathBuf::from).unwrap_or_default();
@@ -55,7 +55,7 @@ impl Files {
         }
         match self {
             Self::Folder { meta, .. } if name == META => Ok(meta.clone()),
-            Self::Folder { folder, .. } => Ok(all_bytes(Source::open(&folder.join(name))?)?.1),
+            Self::Folder { folder, .. } => Ok(all_bytes(InputFile::open(&folder.join(name))?)?.1),
             Self::Archive { bytes, folder, .. } => {
                 let entry = entry(bytes, &format!("{folder}{name}"));
                 entry.map_err(|cause| self.malformed(name, cause))

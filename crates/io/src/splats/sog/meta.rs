@@ -50,7 +50,7 @@ pub(super) struct Quats {
 /// A picture whose bytes are numbers of a table.
 #[derive(Debug, Deserialize)]
 pub(super) struct Coded {
-    pub codebook: Table,
+    pub codebook: Codebook,
     pub files: [String; 1],
 }
 
@@ -61,16 +61,16 @@ pub(super) struct Harmonics {
     pub count: u32,
     /// The degree.
     pub bands: u32,
-    pub codebook: Table,
+    pub codebook: Codebook,
     pub files: [String; 2],
 }
 
 /// The numbers that bytes stand for.
 #[derive(Debug, Deserialize)]
 #[serde(transparent)]
-pub(super) struct Table(Vec<f64>);
+pub(super) struct Codebook(Vec<f64>);
 
-impl Table {
+impl Codebook {
     /// Returns the number of a byte; NaN beyond the table, so that a splat with it is left out.
     pub fn number(&self, byte: u8) -> f64 {
         self.0.get(usize::from(byte)).copied().unwrap_or(f64::NAN)
@@ -105,7 +105,7 @@ impl Meta {
 
     fn check(&self, files: &Files) -> Result<(), Error> {
         let wrong = |cause: String| Err(files.malformed(META, cause));
-        let none = Table(Vec::new());
+        let none = Codebook(Vec::new());
         let harmonics = self.harmonics.as_ref();
         let tables = [&self.scales.codebook, &self.sh0.codebook, harmonics.map_or(&none, |some| &some.codebook)];
         for (table, name) in tables.into_iter().zip(["scales", "sh0", "shN"]) {

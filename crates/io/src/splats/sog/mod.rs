@@ -15,9 +15,9 @@ use std::path::Path;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::{Splat, Splats, from_coefficient, quaternion};
-use crate::{Error, Source};
+use crate::{Error, InputFile};
 use files::Files;
-use meta::{Meta, Table};
+use meta::{Codebook, Meta};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
 use picture::Pixels;
@@ -42,7 +42,7 @@ pub(crate) fn is_folder(path: &Path) -> bool {
 }
 
 /// Reads an archive, or the `meta.json` of a folder.
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let files = Files::open(source)?;
     let meta = Meta::read(&files)?;
     let pictures = Pictures::read(&files, &meta)?;
@@ -68,7 +68,7 @@ struct Pictures<'a> {
 
 /// Harmonics of the splats.
 struct Palette<'a> {
-    table: &'a Table,
+    table: &'a Codebook,
     centroids: Pixels,
     labels: Pixels,
     coefficients: usize,

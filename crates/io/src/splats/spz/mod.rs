@@ -13,7 +13,7 @@ use flate2::bufread::MultiGzDecoder;
 
 use super::{Splats, all_bytes, check_count};
 use crate::number::word;
-use crate::{Error, SharedFile, Source};
+use crate::{Error, InputFile, SharedFile};
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::MAX_DEGREE;
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -47,7 +47,7 @@ struct Header {
     flags: u8,
 }
 
-pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let (file, bytes) = all_bytes(source)?;
     let (header, planes) = if bytes.starts_with(GZIP) {
         unzipped(&file, &bytes)?

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::super::octree::about::About;
-use super::super::octree::attributes::{Layout, Role};
+use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::metadata::{self, Metadata};
-use super::super::octree::nodes::{self, Extent, NODES};
+use super::super::octree::nodes::{self, NODES, NodeExtent};
 use super::super::octree::survey::{self, SURVEY, Surveyor};
 use super::super::octree::{HIERARCHY, POINTS};
 use super::checkpoint::{self, Checkpoint, Kept};
@@ -33,7 +33,7 @@ pub const NODE_POINTS: usize = 20_000;
 #[derive(Debug)]
 pub struct Assembler {
     folder: PathBuf,
-    layout: Layout,
+    layout: AttributeLayout,
     rules: Rules,
     points: Sink,
     written: Vec<Written>,
@@ -65,7 +65,13 @@ impl Assembler {
     ///
     /// # Errors
     /// A file can't be written.
-    pub fn new(folder: &Path, layout: Layout, cube: Cube, node_points: usize, points: u64) -> Result<Self, Error> {
+    pub fn new(
+        folder: &Path,
+        layout: AttributeLayout,
+        cube: Cube,
+        node_points: usize,
+        points: u64,
+    ) -> Result<Self, Error> {
         Self::resume(folder, layout, cube, node_points, points, None)
     }
 
@@ -75,7 +81,7 @@ impl Assembler {
     /// A file can't be read or written, or isn't what the checkpoint says.
     pub(super) fn resume(
         folder: &Path,
-        layout: Layout,
+        layout: AttributeLayout,
         cube: Cube,
         node_points: usize,
         points: u64,
@@ -160,7 +166,7 @@ impl Assembler {
                 self.sample.write(&sample)?;
             }
             let points = (node.records.len() / self.rules.stride) as u32;
-            let extent = extent.map(|extent| Extent { offset, ..extent });
+            let extent = extent.map(|extent| NodeExtent { offset, ..extent });
             self.written.push(Written { cell: node.cell, offset, bytes: node.records.len() as u64, points, extent });
         }
         Ok(())
@@ -182,7 +188,7 @@ impl Assembler {
         self.points.sync()?;
         self.write_survey()?;
         self.kept.remove(&self.folder);
-        let extents: Vec<Extent> = self.written.iter().filter_map(|node| node.extent).collect();
+        let extents: Vec<NodeExtent> = self.written.iter().filter_map(|node| node.extent).collect();
         Sink::put(&self.folder.join(NODES), &[&nodes::write(&extents)])?;
         let hierarchy = hierarchy::write(&mut self.written);
         Sink::put(&self.folder.join(HIERARCHY), &[&hierarchy.bytes])?;

@@ -10,14 +10,14 @@ use super::cube::{Cell, Cube};
 use super::encode::encode;
 use super::feeder::{Feeder, remove};
 use super::input::{Input, Outside};
-use super::plan::Plan;
+use super::plan::ChunkPlan;
 use super::scatter::{self, Scatter};
 use super::state::{self, Assembled, Scattered, State};
-use super::survey::{Counts, Memory, Survey, survey};
+use super::survey::{BuildSurvey, Counts, Memory, survey};
 use super::target;
 use super::types::Types;
 use crate::Error;
-use crate::store::octree::attributes::Layout;
+use crate::store::octree::attributes::AttributeLayout;
 use pellucid_core::cloud::Bounds;
 use pellucid_core::progress::Progress;
 
@@ -135,7 +135,7 @@ impl Build<'_> {
     }
 
     /// The first pass.
-    fn survey(&mut self) -> Result<Survey, Error> {
+    fn survey(&mut self) -> Result<BuildSurvey, Error> {
         if let Some(survey) = &self.state.survey {
             return Ok(survey.clone());
         }
@@ -150,7 +150,7 @@ impl Build<'_> {
     }
 
     /// Everything at once.
-    fn in_memory(&self, layout: &Layout, memory: Memory) -> Result<(Assembler, f64), Error> {
+    fn in_memory(&self, layout: &AttributeLayout, memory: Memory) -> Result<(Assembler, f64), Error> {
         self.progress.set_message("reading");
         let (node_points, points) = (self.settings.node_points, self.input.points);
         let mut assembler = Assembler::new(self.work, layout.clone(), self.cube, node_points, points)?;
@@ -167,7 +167,7 @@ impl Build<'_> {
     }
 
     /// The records of a piece, and the largest distance by which a position moved.
-    fn encode(&self, layout: &Layout) -> impl Fn(Piece) -> Result<(Vec<u8>, f64), Outside> + Sync {
+    fn encode(&self, layout: &AttributeLayout) -> impl Fn(Piece) -> Result<(Vec<u8>, f64), Outside> + Sync {
         let (layout, cube) = (layout.clone(), self.cube);
         move |Piece { cloud, places }| {
             let encoded = encode(&layout, &cube, &cloud, &places).map_err(Outside)?;
@@ -176,10 +176,15 @@ impl Build<'_> {
     }
 
     /// The second pass and the third one.
-    fn through_files(&mut self, layout: &Layout, memory: Memory, counts: Counts) -> Result<(Assembler, f64), Error> {
+    fn through_files(
+        &mut self,
+        layout: &AttributeLayout,
+        memory: Memory,
+        counts: Counts,
+    ) -> Result<(Assembler, f64), Error> {
         let stem = self.work.join("chunk");
         if self.state.scattered.is_none() {
-            let plan = Plan::new(Cell::ROOT, &counts, memory.chunk_points);
+            let plan = ChunkPlan::new(Cell::ROOT, &counts, memory.chunk_points);
             let rounding = self.scatter(&stem, &plan, layout, memory)?;
             self.state.scattered = Some(Scattered { plan, rounding });
             // They are in the plan, and this is written after every chunk.
@@ -211,7 +216,7 @@ impl Build<'_> {
     }
 
     /// Distributes all points to files.
-    fn scatter(&self, stem: &Path, plan: &Plan, layout: &Layout, memory: Memory) -> Result<f64, Error> {
+    fn scatter(&self, stem: &Path, plan: &ChunkPlan, layout: &AttributeLayout, memory: Memory) -> Result<f64, Error> {
         self.progress.set_message("dividing the points");
         let mut scatter = Scatter::new(stem, plan, memory.bytes / 8)?;
         let mut rounding = 0.0_f64;

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Quat, Vec3};
 
-use super::super::octree::attributes::{Attribute, Kind, Layout, Role};
+use super::super::octree::attributes::{Attribute, AttributeLayout, NumberType, Role};
 use super::cube::Cube;
 use super::types::nearest_srgb;
 use pellucid_core::cloud::Cloud;
@@ -21,7 +21,7 @@ pub struct Encoded {
 ///
 /// # Errors
 /// A position that isn't in the cube.
-pub fn encode(layout: &Layout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Result<Encoded, DVec3> {
+pub fn encode(layout: &AttributeLayout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Result<Encoded, DVec3> {
     let mut records = vec![0; layout.stride * cloud.len()];
     let mut rounding = 0.0_f64;
     let splats = || cloud.gaussians.iter();
@@ -102,8 +102,10 @@ impl Writer<'_> {
     /// Numbers that the type of the attribute holds.
     fn floats(&mut self, values: impl Iterator<Item = f32>) {
         match self.attribute.kind {
-            Kind::Uint8 => self.each(values, |bytes, value| bytes[0] = value as u8),
-            Kind::Uint16 => self.each(values, |bytes, value| bytes.copy_from_slice(&(value as u16).to_le_bytes())),
+            NumberType::Uint8 => self.each(values, |bytes, value| bytes[0] = value as u8),
+            NumberType::Uint16 => {
+                self.each(values, |bytes, value| bytes.copy_from_slice(&(value as u16).to_le_bytes()));
+            }
             _ => self.each(values, |bytes, value| bytes.copy_from_slice(&value.to_le_bytes())),
         }
     }
@@ -121,7 +123,7 @@ impl Writer<'_> {
     }
 
     fn exact(&mut self, positions: &[DVec3]) {
-        if self.attribute.kind == Kind::Double {
+        if self.attribute.kind == NumberType::Double {
             self.each(positions.iter(), |bytes, position| {
                 bytes.copy_from_slice(position.to_array().map(f64::to_le_bytes).as_flattened());
             });
@@ -133,7 +135,9 @@ impl Writer<'_> {
     fn places(&mut self, places: &[u64]) {
         let places = places.iter().copied();
         match self.attribute.kind {
-            Kind::Uint32 => self.each(places, |bytes, place| bytes.copy_from_slice(&(place as u32).to_le_bytes())),
+            NumberType::Uint32 => {
+                self.each(places, |bytes, place| bytes.copy_from_slice(&(place as u32).to_le_bytes()));
+            }
             _ => self.each(places, |bytes, place| bytes.copy_from_slice(&(place as f64).to_le_bytes())),
         }
     }

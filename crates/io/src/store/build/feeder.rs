@@ -7,7 +7,7 @@ use std::path::Path;
 use super::super::octree::integers;
 use super::assembler::Assembler;
 use super::cube::{Cell, Cube};
-use super::plan::Plan;
+use super::plan::ChunkPlan;
 use super::scatter::{self, Scatter};
 use super::survey::{Counts, Memory};
 use crate::Error;
@@ -33,7 +33,7 @@ pub(super) struct Feeder<'a> {
 
 impl Feeder<'_> {
     /// Adds the points of a chunk's file. One with too many is divided once more, unless all are in one place.
-    pub fn chunk(&mut self, plan: &Plan, index: usize, stem: &Path) -> Result<(), Error> {
+    pub fn chunk(&mut self, plan: &ChunkPlan, index: usize, stem: &Path) -> Result<(), Error> {
         let chunk = &plan.chunks[index];
         let path = scatter::file_of(stem, index);
         scatter::check(&path, chunk.points, self.stride)?;
@@ -61,7 +61,7 @@ impl Feeder<'_> {
             counts.add(records.chunks_exact(stride).map(code).collect(), levels, self.memory.bytes / 8);
             Ok(())
         })?;
-        let plan = Plan::new(cell, &counts, self.memory.chunk_points);
+        let plan = ChunkPlan::new(cell, &counts, self.memory.chunk_points);
         let mut scatter = Scatter::new(path, &plan, self.memory.bytes / 8)?;
         scatter::each_block(path, block_bytes, |records| scatter.add(scatter::parts(&plan, &cube, stride, records)))?;
         scatter.finish(stride)?;

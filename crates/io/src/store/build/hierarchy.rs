@@ -5,7 +5,7 @@ use std::collections::{HashMap, VecDeque};
 use serde::{Deserialize, Serialize};
 
 use super::super::octree::hierarchy::{INNER, LEAF, NODE_BYTES, PROXY};
-use super::super::octree::nodes::Extent;
+use super::super::octree::nodes::NodeExtent;
 use super::cube::Cell;
 
 /// Levels of a chunk; the nodes of the next one are roots of their own.
@@ -20,7 +20,7 @@ pub(super) struct Written {
     pub bytes: u64,
     pub points: u32,
     /// Extent that has points.
-    pub extent: Option<Extent>,
+    pub extent: Option<NodeExtent>,
 }
 
 /// The file.

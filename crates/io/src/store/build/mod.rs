@@ -20,7 +20,7 @@ mod target;
 mod tree;
 mod types;
 
-pub use super::octree::attributes::Layout;
+pub use super::octree::attributes::AttributeLayout;
 pub use assembler::{Assembler, NODE_POINTS, Told};
 pub use builder::{Built, Settings, build};
 pub use cube::{Cell, Cube};

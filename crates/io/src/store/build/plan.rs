@@ -15,7 +15,7 @@ pub(super) struct Chunk {
 
 /// All points of a cell in chunks, along the Morton curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Plan {
+pub(super) struct ChunkPlan {
     /// The cell.
     pub base: Cell,
     /// Levels of the codes below it.
@@ -25,7 +25,7 @@ pub(super) struct Plan {
     starts: Vec<u64>,
 }
 
-impl Plan {
+impl ChunkPlan {
     /// Returns the largest cells with at most so many points, and as many of them in each chunk as fit. A cell that has
     /// more is a chunk of its own, if it is as small as those that were counted.
     pub fn new(base: Cell, counts: &Counts, most: u64) -> Self {
@@ -91,7 +91,7 @@ mod tests {
         let far = cube.code([9, 0, 0], 0, 4);
         let codes = (0..512).step_by(8).chain([4095; 3]).chain([far; 100]).collect();
         counts.add(codes, 4, u64::MAX);
-        let plan = Plan::new(Cell::ROOT, &counts, 20);
+        let plan = ChunkPlan::new(Cell::ROOT, &counts, 20);
         let shape: Vec<_> = plan.chunks.iter().map(|chunk| (chunk.points, chunk.cells.len())).collect();
         assert_eq!(shape, [(16, 2), (16, 2), (16, 2), (16, 2), (100, 1), (3, 1)]);
         assert_eq!(plan.chunks[4].cells[0].0, cube.cell([9, 0, 0], 4));
@@ -99,7 +99,7 @@ mod tests {
         for (steps, chunk) in [([0; 3], 0), ([4, 0, 0], 0), ([0, 4, 0], 1), ([9, 0, 0], 4), ([15; 3], 5)] {
             assert_eq!(plan.chunk_of(&cube, steps), chunk, "{steps:?}");
         }
-        let one = Plan::new(Cell::ROOT, &counts, 1000);
+        let one = ChunkPlan::new(Cell::ROOT, &counts, 1000);
         assert_eq!(one.chunks, [Chunk { cells: vec![(Cell::ROOT, 167)], points: 167 }]);
     }
 

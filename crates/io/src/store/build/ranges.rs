@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::super::octree::attributes::{Layout, Role};
+use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::integers;
-use super::super::octree::nodes::Extent;
+use super::super::octree::nodes::NodeExtent;
 use pellucid_core::cloud::field::range;
 use pellucid_core::cloud::gaussians::reach;
 
@@ -13,7 +13,7 @@ use pellucid_core::cloud::gaussians::reach;
 pub(super) struct Ranges(pub Vec<[f64; 2]>);
 
 impl Ranges {
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &AttributeLayout) -> Self {
         let numbers = layout.attributes.iter().map(|attribute| attribute.elements).sum();
         Self(vec![[f64::INFINITY, f64::NEG_INFINITY]; numbers])
     }
@@ -25,7 +25,7 @@ impl Ranges {
         }
     }
 
-    pub fn by_attribute<'a>(&'a self, layout: &'a Layout) -> impl Iterator<Item = &'a [[f64; 2]]> {
+    pub fn by_attribute<'a>(&'a self, layout: &'a AttributeLayout) -> impl Iterator<Item = &'a [[f64; 2]]> {
         let mut rest = self.0.as_slice();
         layout.attributes.iter().map(move |attribute| {
             let (own, others) = rest.split_at(attribute.elements);
@@ -36,7 +36,7 @@ impl Ranges {
 
     /// Returns those of some records, and the box and largest radius or reach of their points; `None` without points.
     /// The offset is 0.
-    pub fn of(layout: &Layout, records: &[u8]) -> (Self, Option<Extent>) {
+    pub fn of(layout: &AttributeLayout, records: &[u8]) -> (Self, Option<NodeExtent>) {
         let mut ranges = Self::new(layout);
         if records.is_empty() {
             return (ranges, None);
@@ -71,6 +71,6 @@ impl Ranges {
                 number += 1;
             }
         }
-        (ranges, Some(Extent { offset: 0, largest_radius, corners }))
+        (ranges, Some(NodeExtent { offset: 0, largest_radius, corners }))
     }
 }

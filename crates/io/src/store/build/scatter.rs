@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::super::octree::integers;
 use super::cube::{Cell, Cube};
-use super::plan::Plan;
+use super::plan::ChunkPlan;
 use crate::Error;
 use pellucid_core::morton::spread;
 use pellucid_fault as fault;
@@ -16,7 +16,7 @@ use pellucid_fault as fault;
 /// The files of the chunks of a plan.
 #[derive(Debug)]
 pub(super) struct Scatter<'a> {
-    plan: &'a Plan,
+    plan: &'a ChunkPlan,
     /// Files are named after it.
     stem: PathBuf,
     waiting: Vec<Vec<u8>>,
@@ -35,7 +35,7 @@ pub(super) fn file_of(stem: &Path, chunk: usize) -> PathBuf {
 }
 
 /// Records by chunk.
-pub(super) fn parts(plan: &Plan, cube: &Cube, stride: usize, records: &[u8]) -> Parts {
+pub(super) fn parts(plan: &ChunkPlan, cube: &Cube, stride: usize, records: &[u8]) -> Parts {
     let mut parts: Vec<Vec<u8>> = vec![Vec::new(); plan.chunks.len()];
     for record in records.chunks_exact(stride) {
         parts[plan.chunk_of(cube, cube.steps_of(integers(record)))].extend_from_slice(record);
@@ -45,7 +45,7 @@ pub(super) fn parts(plan: &Plan, cube: &Cube, stride: usize, records: &[u8]) -> 
 
 impl<'a> Scatter<'a> {
     /// Begins empty files. So many bytes wait in memory at most.
-    pub fn new(stem: &Path, plan: &'a Plan, most_bytes: u64) -> Result<Self, Error> {
+    pub fn new(stem: &Path, plan: &'a ChunkPlan, most_bytes: u64) -> Result<Self, Error> {
         for chunk in 0..plan.chunks.len() {
             let path = file_of(stem, chunk);
             fault::file("output/create")

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::super::Store;
 use super::checkpoint::Checkpoint;
-use super::plan::Plan;
-use super::survey::Survey;
+use super::plan::ChunkPlan;
+use super::survey::BuildSurvey;
 use super::{Settings, sink};
 use crate::Error;
 
@@ -21,7 +21,7 @@ pub(super) struct State {
     /// A hash of inputs and settings.
     key: String,
     /// Result of the first pass, once it is done.
-    pub survey: Option<Survey>,
+    pub survey: Option<BuildSurvey>,
     /// Result of the second pass, once it is done.
     pub scattered: Option<Scattered>,
     /// Progress of the third pass, once it has begun.
@@ -31,7 +31,7 @@ pub(super) struct State {
 /// The result of the second pass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Scattered {
-    pub plan: Plan,
+    pub plan: ChunkPlan,
     /// The largest distance of a position from where it was.
     pub rounding: f64,
 }

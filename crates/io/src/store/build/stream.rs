@@ -11,7 +11,7 @@ use super::cube::{Cell, Cube};
 use super::encode::encode;
 use super::state::{Assembled, State};
 use super::survey::Memory;
-use super::{Built, Layout, Settings, target};
+use super::{AttributeLayout, Built, Settings, target};
 use crate::Error;
 use pellucid_core::progress::Progress;
 
@@ -29,7 +29,7 @@ pub struct Streamed<'a> {
     /// The root of the octree. All positions are on its grid and in it.
     pub cube: Cube,
     /// Values that are kept of a point, in types that hold all of them.
-    pub layout: &'a Layout,
+    pub layout: &'a AttributeLayout,
     /// Key of what the points follow from: clouds with the same key are the same.
     pub key: &'a str,
 }

@@ -55,7 +55,7 @@ impl Counts {
 
 /// Facts about all points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Survey {
+pub(super) struct BuildSurvey {
     pub types: Types,
     pub counts: Counts,
     /// The smallest radius above 0.
@@ -63,9 +63,9 @@ pub(super) struct Survey {
 }
 
 /// Looks at all points once.
-pub(super) fn survey(input: &Input, cube: &Cube, memory: Memory, progress: &Progress) -> Result<Survey, Error> {
+pub(super) fn survey(input: &Input, cube: &Cube, memory: Memory, progress: &Progress) -> Result<BuildSurvey, Error> {
     let mut survey =
-        Survey { types: Types::default(), counts: Counts::new(cube, Cell::ROOT.level), least_radius: None };
+        BuildSurvey { types: Types::default(), counts: Counts::new(cube, Cell::ROOT.level), least_radius: None };
     let levels = survey.counts.levels;
     let see = |piece: Piece| {
         let code = |position: &glam::DVec3| {

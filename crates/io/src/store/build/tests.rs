@@ -47,15 +47,15 @@ fn cloud(count: usize) -> Cloud {
     }
 }
 
-struct Source {
-    layout: Layout,
+struct EncodedCloud {
+    layout: AttributeLayout,
     cube: Cube,
     /// Records of the points, a vector each.
     records: Vec<Vec<u8>>,
     like: Cloud,
 }
 
-impl Source {
+impl EncodedCloud {
     fn new(cloud: &Cloud) -> Self {
         let bounds = cloud.bounds().unwrap();
         let cube = Cube::around(Grid::around(&bounds).unwrap(), &bounds).unwrap();
@@ -105,7 +105,7 @@ fn points(store: &dyn Store) -> (Cloud, Vec<u64>) {
 
 #[test]
 fn neither_cuts_nor_order_change_a_byte() {
-    let mut source = Source::new(&cloud(5000));
+    let mut source = EncodedCloud::new(&cloud(5000));
     let folder = tempfile::tempdir().unwrap();
     source.write(folder.path(), &|_| false);
     let whole = bytes(folder.path());
@@ -122,7 +122,7 @@ fn neither_cuts_nor_order_change_a_byte() {
 #[test]
 fn every_point_comes_back_to_the_bit() {
     let cloud = cloud(5000);
-    let source = Source::new(&cloud);
+    let source = EncodedCloud::new(&cloud);
     let folder = tempfile::tempdir().unwrap();
     source.write(folder.path(), &|_| false);
     let octree = Octree::open(folder.path()).unwrap();
@@ -136,7 +136,7 @@ fn every_point_comes_back_to_the_bit() {
 
 #[test]
 fn nodes_are_small_and_get_finer_below() {
-    let source = Source::new(&cloud(5000));
+    let source = EncodedCloud::new(&cloud(5000));
     let folder = tempfile::tempdir().unwrap();
     source.write(folder.path(), &|_| false);
     let octree = Octree::open(folder.path()).unwrap();

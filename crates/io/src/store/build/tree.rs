@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::super::octree::attributes::{Layout, Role};
+use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::integers;
 use super::cube::{CODE_LEVELS, Cell, Cube};
 
@@ -55,7 +55,7 @@ pub(super) struct Done {
 type Key = (u64, u32);
 
 impl Rules {
-    pub fn new(layout: &Layout, cube: Cube, node_points: usize) -> Self {
+    pub fn new(layout: &AttributeLayout, cube: Cube, node_points: usize) -> Self {
         let place =
             layout.find(&Role::Place).map_or(layout.stride..layout.stride, |place| place.at..place.at + place.bytes);
         // A surface through a node meets about three times the square of the parts along an axis.

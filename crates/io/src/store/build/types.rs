@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::super::Grid;
-use super::super::octree::attributes::{Kind, Layout, Role};
+use super::super::octree::attributes::{AttributeLayout, NumberType, Role};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::linear;
 use pellucid_core::color::{encode_srgb, linear_values};
@@ -36,11 +36,11 @@ impl Narrow {
         values.par_iter().with_min_len(1 << 14).map(narrow).max().unwrap_or_default()
     }
 
-    pub(super) fn kind(self) -> Kind {
+    pub(super) fn kind(self) -> NumberType {
         match self {
-            Self::Byte => Kind::Uint8,
-            Self::Short => Kind::Uint16,
-            Self::Float => Kind::Float,
+            Self::Byte => NumberType::Uint8,
+            Self::Short => NumberType::Uint16,
+            Self::Float => NumberType::Float,
         }
     }
 }
@@ -69,11 +69,11 @@ impl Exact {
         positions.par_iter().with_min_len(1 << 14).map(exact).max().unwrap_or_default()
     }
 
-    fn kind(self) -> Option<Kind> {
+    fn kind(self) -> Option<NumberType> {
         match self {
             Self::None => None,
-            Self::Float => Some(Kind::Float),
-            Self::Double => Some(Kind::Double),
+            Self::Float => Some(NumberType::Float),
+            Self::Double => Some(NumberType::Double),
         }
     }
 }
@@ -134,40 +134,40 @@ impl Types {
     }
 
     /// Returns the record of a cloud with these columns and so many points in its source.
-    pub fn layout(&self, like: &Cloud, points: u64) -> Layout {
+    pub fn layout(&self, like: &Cloud, points: u64) -> AttributeLayout {
         let mut layout = self.columns(like);
         // Potree's viewer reads no 64-bit integers; float64 counts to 2⁵³.
-        layout.add(Role::Place, if u32::try_from(points).is_ok() { Kind::Uint32 } else { Kind::Double });
+        layout.add(Role::Place, if u32::try_from(points).is_ok() { NumberType::Uint32 } else { NumberType::Double });
         layout
     }
 
     /// Returns the same without the place in the source, for points whose source has no order.
-    pub fn columns(&self, like: &Cloud) -> Layout {
-        let mut layout = Layout::default();
-        let mut add = |is_there: bool, role: Role, kind: Kind| {
+    pub fn columns(&self, like: &Cloud) -> AttributeLayout {
+        let mut layout = AttributeLayout::default();
+        let mut add = |is_there: bool, role: Role, kind: NumberType| {
             if is_there {
                 layout.add(role, kind);
             }
         };
-        add(true, Role::Position, Kind::Int32);
-        add(like.colors.is_some(), Role::Rgb, Kind::Uint16);
+        add(true, Role::Position, NumberType::Int32);
+        add(like.colors.is_some(), Role::Rgb, NumberType::Uint16);
         add(like.intensity.is_some(), Role::Intensity, self.intensity.kind());
-        add(like.classification.is_some(), Role::Classification, Kind::Uint8);
+        add(like.classification.is_some(), Role::Classification, NumberType::Uint8);
         for (index, (name, _)) in like.scalars.iter().enumerate() {
             let narrow = self.scalars.get(index).copied().unwrap_or(Narrow::Float);
             add(true, Role::Scalar(name.clone()), narrow.kind());
         }
-        (0..3).for_each(|axis| add(like.normals.is_some(), Role::Normal(axis), Kind::Float));
-        add(like.alphas.is_some(), Role::Alpha, Kind::Float);
-        add(like.radii.is_some(), Role::Radius, Kind::Float);
-        add(like.prepared.is_some(), Role::Field, Kind::Float);
-        add(like.prepared.as_ref().is_some_and(|prepared| prepared.shadows.is_some()), Role::Lit, Kind::Float);
+        (0..3).for_each(|axis| add(like.normals.is_some(), Role::Normal(axis), NumberType::Float));
+        add(like.alphas.is_some(), Role::Alpha, NumberType::Float);
+        add(like.radii.is_some(), Role::Radius, NumberType::Float);
+        add(like.prepared.is_some(), Role::Field, NumberType::Float);
+        add(like.prepared.as_ref().is_some_and(|prepared| prepared.shadows.is_some()), Role::Lit, NumberType::Float);
         let is_linear = like.colors.is_some() && self.linear_colors;
-        (0..3).for_each(|axis| add(is_linear, Role::Linear(axis), Kind::Float));
+        (0..3).for_each(|axis| add(is_linear, Role::Linear(axis), NumberType::Float));
         let degree = like.gaussians.as_ref().map(|splats| splats.degree as u8);
         let shape = [Role::Extents, Role::Rotation, Role::Base];
-        shape.into_iter().for_each(|role| add(degree.is_some(), role, Kind::Float));
-        add(degree > Some(0), Role::Harmonics(degree.unwrap_or(0)), Kind::Float);
+        shape.into_iter().for_each(|role| add(degree.is_some(), role, NumberType::Float));
+        add(degree > Some(0), Role::Harmonics(degree.unwrap_or(0)), NumberType::Float);
         if let Some(kind) = self.exact.kind() {
             add(true, Role::Exact, kind);
         }

@@ -45,10 +45,10 @@ pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
         }
         for record in records {
             match parse(record).map_err(|cause| file.malformed(&*place, cause))? {
-                Target::Page(further) => pages.push(further),
-                Target::Empty => {}
-                Target::Node(entry) if keys.insert(entry.key) => entries.push(entry),
-                Target::Node(entry) => {
+                EntryTarget::Page(further) => pages.push(further),
+                EntryTarget::Empty => {}
+                EntryTarget::Node(entry) if keys.insert(entry.key) => entries.push(entry),
+                EntryTarget::Node(entry) => {
                     return Err(file.malformed(place, format!("there is a second node {}", entry.key)));
                 }
             }
@@ -58,13 +58,13 @@ pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
 }
 
 /// Target of an entry.
-enum Target {
+enum EntryTarget {
     Node(Entry),
     Page(Page),
     Empty,
 }
 
-fn parse(record: &[u8; ENTRY]) -> Result<Target, String> {
+fn parse(record: &[u8; ENTRY]) -> Result<EntryTarget, String> {
     let word = |at: usize| word(record, 4 * at).cast_signed();
     let start = long(record, 16);
     let numbers = [word(0), word(1), word(2), word(3)];
@@ -73,9 +73,9 @@ fn parse(record: &[u8; ENTRY]) -> Result<Target, String> {
     };
     let (bytes, points) = (word(6), word(7));
     match (u64::try_from(bytes), u64::try_from(points)) {
-        (Ok(_), Ok(0)) => Ok(Target::Empty),
-        (Ok(bytes), Ok(points)) => Ok(Target::Node(Entry { key, start, bytes, points })),
-        (Ok(bytes), Err(_)) if points == -1 => Ok(Target::Page(Page { start, bytes })),
+        (Ok(_), Ok(0)) => Ok(EntryTarget::Empty),
+        (Ok(bytes), Ok(points)) => Ok(EntryTarget::Node(Entry { key, start, bytes, points })),
+        (Ok(bytes), Err(_)) if points == -1 => Ok(EntryTarget::Page(Page { start, bytes })),
         _ => Err(format!("node {key} can't have {points} points in {bytes} bytes")),
     }
 }

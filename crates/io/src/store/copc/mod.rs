@@ -8,10 +8,10 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::keys::{Key, cut, parents};
-use super::las::{Survey, check_finite, no_points, read, summary};
+use super::las::{LasSurvey, check_finite, no_points, read, summary};
 use super::{Node, Piece, Store, Summary};
 use crate::las::{Chunk, LasFile, Traits};
-use crate::{Error, LasColumns, Source};
+use crate::{Error, InputFile, LasColumns};
 use hierarchy::Entry;
 use info::Info;
 use pellucid_core::cloud::Bounds;
@@ -39,7 +39,7 @@ impl Copc {
     /// that makes a COPC file of it; a hierarchy that is damaged, has loops, names chunks that the file doesn't have,
     /// or leaves points out.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
-        Self::new(LasFile::open(Source::open(path)?, asked)?)
+        Self::new(LasFile::open(InputFile::open(path)?, asked)?)
     }
 
     pub(super) fn new(file: LasFile) -> Result<Self, Error> {
@@ -70,7 +70,7 @@ impl Copc {
             })
         });
         let nodes = nodes.collect::<Result<Vec<_>, Error>>()?;
-        let survey = Survey::of(&file, chunks.iter(), None)?;
+        let survey = LasSurvey::of(&file, chunks.iter(), None)?;
         let Some(bounds) = nodes.iter().map(|node| node.bounds).reduce(Bounds::union) else {
             return Err(no_points(&file));
         };

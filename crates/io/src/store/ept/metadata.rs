@@ -6,10 +6,10 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::rows::{MOST_FOR_ONE, Rows};
+use super::rows::{EptRows, MOST_FOR_ONE};
 use crate::las::{MAX_POINTS_PER_BYTE, Traits};
 use crate::number::Class;
-use crate::{Error, LasColumns, Source};
+use crate::{Error, InputFile, LasColumns};
 use pellucid_core::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
 /// Parts of the file that are read.
@@ -61,9 +61,9 @@ pub(super) enum Tiles {
     /// LAZ files.
     Laszip,
     /// Rows of the schema's numbers.
-    Rows(Rows),
+    Rows(EptRows),
     /// Rows of binary values, compressed with Zstandard.
-    Zstandard(Rows),
+    Zstandard(EptRows),
 }
 
 impl Tiles {
@@ -87,7 +87,7 @@ impl Tiles {
 
 /// Reads a JSON file.
 pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    let mut source = Source::open(path)?;
+    let mut source = InputFile::open(path)?;
     let bytes = source.all()?;
     serde_json::from_slice(&bytes).map_err(|e| match e.is_eof() {
         true => source.truncated(format!("the JSON ends too early, in line {}", e.line())),
@@ -117,8 +117,8 @@ impl Metadata {
         }
         let tiles = match &*json.data_type {
             "laszip" => Tiles::Laszip,
-            "binary" => Tiles::Rows(Rows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
-            "zstandard" => Tiles::Zstandard(Rows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
+            "binary" => Tiles::Rows(EptRows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
+            "zstandard" => Tiles::Zstandard(EptRows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
             other => {
                 return Err(malformed("dataType", format!("`{other}` (known: laszip, binary, zstandard)")));
             }

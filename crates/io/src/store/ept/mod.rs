@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::keys::{Key, cut, parents};
 use super::{Node, Piece, Store, Summary};
 use crate::las::{Columns, LasFile, Traits};
-use crate::{Error, LasColumns, Source};
+use crate::{Error, InputFile, LasColumns};
 use metadata::{Metadata, Tiles};
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
 use pellucid_core::progress::Progress;
@@ -106,7 +106,7 @@ impl Ept {
         let points = self.nodes[node].points;
         match &self.metadata.tiles {
             Tiles::Laszip => {
-                let file = LasFile::open(Source::open(&path)?, self.asked)?;
+                let file = LasFile::open(InputFile::open(&path)?, self.asked)?;
                 if file.header.count != points {
                     let cause = format!("it has {} points, but the hierarchy says {points}", file.header.count);
                     return Err(file.file.malformed("LAS header", cause));
@@ -116,8 +116,8 @@ impl Ept {
                 let columns = Columns::join(parts).unwrap_or_else(|| Columns::new(&file.header, self.asked));
                 Ok((columns, file.extra_names().map(str::to_owned).collect()))
             }
-            Tiles::Rows(rows) => rows.read(Source::open(&path)?, points, self.asked, false),
-            Tiles::Zstandard(rows) => rows.read(Source::open(&path)?, points, self.asked, true),
+            Tiles::Rows(rows) => rows.read(InputFile::open(&path)?, points, self.asked, false),
+            Tiles::Zstandard(rows) => rows.read(InputFile::open(&path)?, points, self.asked, true),
         }
     }
 

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::metadata::Dimension;
 use crate::las::Columns;
-use crate::number::Kind;
-use crate::{Error, LasColumns, Source, decoder};
+use crate::number::NumberType;
+use crate::{Error, InputFile, LasColumns, decoder};
 use pellucid_core::cloud::Cloud;
 
 /// Dimensions of LAS points that clouds have no columns for.
@@ -30,7 +30,7 @@ pub(super) const MOST_FOR_ONE: u64 = 1000;
 
 /// The numbers of a row, by what they are.
 #[derive(Debug)]
-pub(super) struct Rows {
+pub(super) struct EptRows {
     len: usize,
     position: [Number; 3],
     color: Option<[Number; 3]>,
@@ -47,7 +47,7 @@ pub(super) struct Rows {
 #[derive(Debug, Clone, Copy)]
 struct Number {
     at: usize,
-    kind: Kind,
+    kind: NumberType,
     scale: f64,
     offset: f64,
 }
@@ -58,13 +58,13 @@ impl Number {
     }
 }
 
-impl Rows {
+impl EptRows {
     /// Returns the rows of a schema, or what is wrong with it.
     pub fn new(schema: &[Dimension]) -> Result<Self, String> {
         let mut numbers = Vec::with_capacity(schema.len());
         let mut len = 0;
         for Dimension { name, class, size, scale, offset, .. } in schema {
-            let kind = Kind::of(*class, *size).ok_or_else(|| format!("`{name}` can't have {size} bytes"))?;
+            let kind = NumberType::of(*class, *size).ok_or_else(|| format!("`{name}` can't have {size} bytes"))?;
             let number = Number { at: len, kind, scale: scale.unwrap_or(1.0), offset: offset.unwrap_or(0.0) };
             numbers.push((name.clone(), number));
             len += size;
@@ -93,7 +93,7 @@ impl Rows {
     /// Returns the columns of a tile with so many points, and the names of those that LAS doesn't know.
     pub fn read(
         &self,
-        mut source: Source,
+        mut source: InputFile,
         points: u64,
         asked: LasColumns,
         compressed: bool,

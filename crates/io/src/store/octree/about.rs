@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::attributes::{Layout, Role};
+use super::attributes::{AttributeLayout, Role};
 use crate::prepared::check_claim;
 use pellucid_core::cloud::field::Field;
 use pellucid_core::cloud::shadow_texture::{Casting, ShadowTexture};
@@ -70,7 +70,7 @@ impl PreparedRecord {
 impl About {
     /// Returns the description of a store of clouds like this one. `rounding` is the largest distance that positions
     /// moved.
-    pub fn new(like: &Cloud, layout: &Layout, rounding: f64) -> Self {
+    pub fn new(like: &Cloud, layout: &AttributeLayout, rounding: f64) -> Self {
         Self {
             version: VERSION,
             up: like.up,

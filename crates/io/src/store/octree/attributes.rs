@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use crate::number::Kind;
+pub(crate) use crate::number::NumberType;
 use pellucid_core::cloud::gaussians::{MAX_DEGREE, coefficients};
 use pellucid_core::cloud::{GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
@@ -57,7 +57,7 @@ pub enum Role {
 
 impl Role {
     /// Returns the role of an attribute by its name, as PotreeConverter writes them.
-    pub(crate) fn named(name: &str, kind: Kind, elements: usize) -> Self {
+    pub(crate) fn named(name: &str, kind: NumberType, elements: usize) -> Self {
         let scalar = |name: &str| Self::Scalar(name.to_owned());
         match (name.to_ascii_lowercase().as_str(), elements) {
             ("position" | "position_cartesian", 3) => Self::Position,
@@ -69,12 +69,12 @@ impl Role {
             ("alpha", 1) => Self::Alpha,
             ("radius", 1) => Self::Radius,
             ("intensity", 1) => Self::Intensity,
-            ("classification", 1) if kind == Kind::Uint8 => Self::Classification,
+            ("classification", 1) if kind == NumberType::Uint8 => Self::Classification,
             ("gps-time", 1) => Self::Time,
             ("return number", 1) => scalar(RETURN_NUMBER),
             ("number of returns", 1) => scalar(NUMBER_OF_RETURNS),
             ("point source id" | "source id", 1) => scalar(POINT_SOURCE),
-            (_, 1) if kind != Kind::Undefined => scalar(name),
+            (_, 1) if kind != NumberType::Undefined => scalar(name),
             _ => Self::Ignored,
         }
     }
@@ -120,21 +120,23 @@ impl Role {
     }
 
     /// Returns `true` if numbers of a type can be it.
-    fn takes(&self, kind: Kind, elements: usize) -> bool {
+    fn takes(&self, kind: NumberType, elements: usize) -> bool {
         match self {
-            Self::Position => kind == Kind::Int32 && elements == 3,
-            Self::Rgb => matches!(kind, Kind::Uint8 | Kind::Uint16) && matches!(elements, 3 | 4),
-            Self::Linear(axis) | Self::Normal(axis) => *axis < 3 && kind == Kind::Float && elements == 1,
+            Self::Position => kind == NumberType::Int32 && elements == 3,
+            Self::Rgb => matches!(kind, NumberType::Uint8 | NumberType::Uint16) && matches!(elements, 3 | 4),
+            Self::Linear(axis) | Self::Normal(axis) => *axis < 3 && kind == NumberType::Float && elements == 1,
             Self::NormalVector | Self::Extents | Self::Rotation | Self::Base => {
-                kind == Kind::Float && elements == self.elements()
+                kind == NumberType::Float && elements == self.elements()
             }
-            Self::Exact => matches!(kind, Kind::Float | Kind::Double) && elements == 3,
+            Self::Exact => matches!(kind, NumberType::Float | NumberType::Double) && elements == 3,
             Self::Harmonics(degree) => {
-                (1..=MAX_DEGREE).contains(&u32::from(*degree)) && kind == Kind::Float && elements == self.elements()
+                (1..=MAX_DEGREE).contains(&u32::from(*degree))
+                    && kind == NumberType::Float
+                    && elements == self.elements()
             }
-            Self::Classification => kind == Kind::Uint8 && elements == 1,
+            Self::Classification => kind == NumberType::Uint8 && elements == 1,
             Self::Ignored => true,
-            _ => kind != Kind::Undefined && elements == 1,
+            _ => kind != NumberType::Undefined && elements == 1,
         }
     }
 }
@@ -145,7 +147,7 @@ pub struct Attribute {
     /// Name of the attribute.
     pub name: String,
     /// The type of its numbers.
-    pub kind: Kind,
+    pub kind: NumberType,
     /// Number of values of the attribute.
     pub elements: usize,
     /// Role of the attribute.
@@ -180,16 +182,16 @@ pub(crate) const AS_STORED: [f64; 2] = [1.0, 0.0];
 
 /// The attributes of a point, one behind the other.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Layout {
+pub struct AttributeLayout {
     /// Attributes in the order of their bytes.
     pub attributes: Vec<Attribute>,
     /// Bytes of a point.
     pub stride: usize,
 }
 
-impl Layout {
+impl AttributeLayout {
     /// Adds an attribute of a role, whose name gets a `_` appended while another one has it.
-    pub(crate) fn add(&mut self, role: Role, kind: Kind) {
+    pub(crate) fn add(&mut self, role: Role, kind: NumberType) {
         let mut name = role.attribute_name().to_owned();
         while self.attributes.iter().any(|other| other.name == name) {
             name.push('_');
@@ -265,11 +267,11 @@ mod tests {
 
     #[test]
     fn names_are_told_apart() {
-        let mut layout = Layout::default();
-        layout.add(Role::Position, Kind::Int32);
-        layout.add(Role::Radius, Kind::Float);
-        layout.add(Role::Scalar("radius".to_owned()), Kind::Float);
-        layout.add(Role::Scalar("radius_".to_owned()), Kind::Float);
+        let mut layout = AttributeLayout::default();
+        layout.add(Role::Position, NumberType::Int32);
+        layout.add(Role::Radius, NumberType::Float);
+        layout.add(Role::Scalar("radius".to_owned()), NumberType::Float);
+        layout.add(Role::Scalar("radius_".to_owned()), NumberType::Float);
         let names: Vec<_> = layout.attributes.iter().map(|attribute| &*attribute.name).collect();
         assert_eq!(names, ["position", "radius", "radius_", "radius__"]);
         assert_eq!((layout.stride, layout.attributes[2].at), (24, 16));
@@ -278,8 +280,8 @@ mod tests {
     #[test]
     fn splats_have_all_of_their_attributes() {
         let layout = |roles: &[Role]| {
-            let mut layout = Layout::default();
-            roles.iter().for_each(|role| layout.add(role.clone(), Kind::Float));
+            let mut layout = AttributeLayout::default();
+            roles.iter().for_each(|role| layout.add(role.clone(), NumberType::Float));
             layout
         };
         let all = layout(&[Role::Extents, Role::Rotation, Role::Base, Role::Harmonics(2)]);
@@ -301,24 +303,24 @@ mod tests {
             bytes,
             transform: AS_STORED,
         };
-        let add = |attribute, size| Layout::default().add_foreign(attribute, size);
-        assert_eq!(add(attribute("position", Kind::Int32, 3, 12), 4), Ok(()));
-        assert!(add(attribute("position", Kind::Int32, 3, 12), 8).is_err());
-        assert!(add(attribute("position", Kind::Int32, 3, 16), 4).is_err());
-        assert!(add(attribute("position", Kind::Double, 3, 24), 8).is_err());
-        assert!(add(attribute("x", Kind::Undefined, usize::MAX, 12), 16).is_err());
-        assert!(add(attribute("x", Kind::Undefined, 1, 1 << 20), 1 << 20).is_err());
+        let add = |attribute, size| AttributeLayout::default().add_foreign(attribute, size);
+        assert_eq!(add(attribute("position", NumberType::Int32, 3, 12), 4), Ok(()));
+        assert!(add(attribute("position", NumberType::Int32, 3, 12), 8).is_err());
+        assert!(add(attribute("position", NumberType::Int32, 3, 16), 4).is_err());
+        assert!(add(attribute("position", NumberType::Double, 3, 24), 8).is_err());
+        assert!(add(attribute("x", NumberType::Undefined, usize::MAX, 12), 16).is_err());
+        assert!(add(attribute("x", NumberType::Undefined, 1, 1 << 20), 1 << 20).is_err());
         let harmonics = |degree, elements| {
             let role = Role::Harmonics(degree);
-            add(Attribute { role, ..attribute("harmonics", Kind::Float, elements, 4 * elements) }, 4)
+            add(Attribute { role, ..attribute("harmonics", NumberType::Float, elements, 4 * elements) }, 4)
         };
         assert_eq!((harmonics(1, 9), harmonics(4, 72)), (Ok(()), Ok(())));
         for (degree, elements) in [(0, 0), (1, 24), (2, 9), (5, 105), (255, 72)] {
             assert!(harmonics(degree, elements).is_err(), "{elements} numbers of degree {degree}");
         }
-        let mut layout = Layout::default();
+        let mut layout = AttributeLayout::default();
         for _ in 0..2 {
-            layout.add_foreign(attribute("position", Kind::Int32, 3, 12), 4).unwrap();
+            layout.add_foreign(attribute("position", NumberType::Int32, 3, 12), 4).unwrap();
         }
         assert_eq!(layout.attributes[1].role, Role::Ignored, "twice");
     }

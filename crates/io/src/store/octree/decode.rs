@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-use super::attributes::{Attribute, Kind, Layout, Role};
+use super::attributes::{Attribute, AttributeLayout, NumberType, Role};
 use crate::channel::unit_or;
 use crate::columns::unit_or_zero;
 use crate::number::{at, word};
@@ -21,7 +21,7 @@ const BYTE: u16 = 255;
 /// Decoder that turns records into clouds.
 #[derive(Debug)]
 pub(super) struct Decoder {
-    layout: Layout,
+    layout: AttributeLayout,
     grid: Grid,
     /// Linear values of stored channels; empty without colors.
     table: &'static [f32],
@@ -32,7 +32,13 @@ pub(super) struct Decoder {
 
 impl Decoder {
     /// `full`: the channel of full intensity, if colors are [`Role::Rgb`].
-    pub fn new(layout: Layout, grid: Grid, full: Option<u16>, first_time: f64, prepared: Option<Prepared>) -> Self {
+    pub fn new(
+        layout: AttributeLayout,
+        grid: Grid,
+        full: Option<u16>,
+        first_time: f64,
+        prepared: Option<Prepared>,
+    ) -> Self {
         Self { layout, grid, table: full.map_or(&[], linear_values), first_time, prepared }
     }
 
@@ -214,7 +220,7 @@ impl<'a> Columns<'a> {
 
     fn floats(&self, attribute: &Attribute) -> Vec<f32> {
         let (kind, [factor, summand]) = (attribute.kind, attribute.transform);
-        if kind == Kind::Float && attribute.transform == super::attributes::AS_STORED {
+        if kind == NumberType::Float && attribute.transform == super::attributes::AS_STORED {
             // The bits of what isn't a number, too.
             return self.each(attribute).map(|bytes| f32::from_le_bytes(at(bytes, 0))).collect();
         }
@@ -230,11 +236,11 @@ impl<'a> Columns<'a> {
 
 /// Returns the channel of full intensity in colors of others: 255 if no channel is above, as in LAS files; `None` if
 /// all are 0.
-pub(super) fn full_scale(kind: Kind, largest: Option<f64>) -> Option<u16> {
+pub(super) fn full_scale(kind: NumberType, largest: Option<f64>) -> Option<u16> {
     match largest {
         Some(largest) if largest <= 0.0 => None,
         Some(largest) if largest <= f64::from(BYTE) => Some(BYTE),
-        _ if kind == Kind::Uint8 => Some(BYTE),
+        _ if kind == NumberType::Uint8 => Some(BYTE),
         _ => Some(u16::MAX),
     }
 }

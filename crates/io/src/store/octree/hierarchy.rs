@@ -48,7 +48,7 @@ impl Record {
 }
 
 /// A part of hierarchy.bin that is to be read.
-struct Part {
+struct HierarchyChunk {
     offset: u64,
     bytes: u64,
     /// The node that its first record is: level, parent and box.
@@ -72,7 +72,7 @@ fn child_bounds(bounds: &Bounds, child: usize) -> Bounds {
 /// Returns all nodes, parents before their children, from the bytes of the file, the bytes of the first chunk, and the
 /// box of the root. An error has place and cause. Every record is used at most once, so that no loop has no end.
 pub(super) fn read(file: &[u8], first_chunk: u64, root: Bounds) -> Result<Vec<Listed>, (String, String)> {
-    let mut parts = VecDeque::from([Part { offset: 0, bytes: first_chunk, root: (0, None, root) }]);
+    let mut parts = VecDeque::from([HierarchyChunk { offset: 0, bytes: first_chunk, root: (0, None, root) }]);
     let mut seen = HashSet::new();
     let mut nodes: Vec<Listed> = Vec::new();
     let most = file.len() / NODE_BYTES;
@@ -106,7 +106,7 @@ fn read_part(
     records: &[u8],
     root: (u32, Option<u32>, Bounds),
     nodes: &mut Vec<Listed>,
-    parts: &mut VecDeque<Part>,
+    parts: &mut VecDeque<HierarchyChunk>,
 ) -> Result<(), String> {
     let mut waiting = VecDeque::from([root]);
     for (index, bytes) in records.chunks_exact(NODE_BYTES).enumerate() {
@@ -118,7 +118,11 @@ fn read_part(
             return Err(format!("record {index} is of type {}, which can't be there", record.kind));
         }
         if record.kind == PROXY {
-            parts.push_back(Part { offset: record.offset, bytes: record.bytes, root: (level, parent, bounds) });
+            parts.push_back(HierarchyChunk {
+                offset: record.offset,
+                bytes: record.bytes,
+                root: (level, parent, bounds),
+            });
             continue;
         }
         let this = u32::try_from(nodes.len()).map_err(|_| "there are 2³² nodes or more".to_owned())?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::about::{About, VERSION};
-use super::attributes::{AS_STORED, Attribute, Kind, Layout, Role};
+use super::attributes::{AS_STORED, Attribute, AttributeLayout, NumberType, Role};
 use crate::Error;
 use crate::store::Grid;
 use pellucid_core::cloud::Bounds;
@@ -77,7 +77,7 @@ pub(crate) struct Described {
     pub num_elements: usize,
     pub element_size: usize,
     #[serde(rename = "type")]
-    pub kind: Kind,
+    pub kind: NumberType,
     #[serde(default)]
     pub min: Vec<Option<f64>>,
     #[serde(default)]
@@ -113,7 +113,7 @@ impl Described {
 pub(crate) struct Checked {
     pub metadata: Metadata,
     pub about: Option<About>,
-    pub layout: Layout,
+    pub layout: AttributeLayout,
     pub grid: Grid,
     pub bounds: Bounds,
     pub warnings: Vec<String>,
@@ -193,8 +193,8 @@ fn about(metadata: &Metadata, warnings: &mut Vec<String>) -> Option<About> {
 }
 
 /// The places of the attributes in a record. An error comes with the attribute.
-fn layout(metadata: &Metadata, about: Option<&About>) -> Result<Layout, (String, String)> {
-    let mut layout = Layout::default();
+fn layout(metadata: &Metadata, about: Option<&About>) -> Result<AttributeLayout, (String, String)> {
+    let mut layout = AttributeLayout::default();
     for (index, described) in metadata.attributes.iter().enumerate() {
         let Described { ref name, kind, num_elements: elements, size: bytes, element_size, .. } = *described;
         let role = match about {

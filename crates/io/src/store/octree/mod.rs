@@ -28,14 +28,14 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::keys::cut;
-use super::{Node, Piece, Store, Summary, Survey};
-use crate::{Error, SharedFile, Source};
+use super::{Node, Piece, Store, StoreSurvey, Summary};
+use crate::{Error, InputFile, SharedFile};
 use attributes::Role;
 pub(crate) use decode::integers;
 use decode::{Decoder, full_scale, splats_of};
 use hierarchy::Listed;
 use metadata::{Checked, METADATA};
-use nodes::{Extent, NODES};
+use nodes::{NODES, NodeExtent};
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::reach;
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
@@ -150,7 +150,7 @@ impl Store for Octree {
         self.decode(node, &self.file.read(self.starts[node], self.nodes[node].bytes)?)
     }
 
-    fn survey(&self) -> Result<Option<Survey>, Error> {
+    fn survey(&self) -> Result<Option<StoreSurvey>, Error> {
         survey::read(self)
     }
 }
@@ -169,7 +169,7 @@ fn missing(error: Error, folder: &Path) -> Error {
 
 /// The nodes of the hierarchy.
 fn list(folder: &Path, checked: &Checked) -> Result<Vec<Listed>, Error> {
-    let bytes = Source::open(&folder.join(HIERARCHY))?.all()?;
+    let bytes = InputFile::open(&folder.join(HIERARCHY))?.all()?;
     let read = hierarchy::read(&bytes, checked.metadata.hierarchy.first_chunk_size, checked.bounds);
     read.map_err(|(place, cause)| Error::malformed(folder, place, cause))
 }
@@ -207,11 +207,11 @@ fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result
 }
 
 /// nodes.bin, if it is there.
-fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<Extent>>, Error> {
+fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<NodeExtent>>, Error> {
     if !is_ours || !folder.join(NODES).exists() {
         return Ok(None);
     }
-    let bytes = Source::open(&folder.join(NODES))?.all()?;
+    let bytes = InputFile::open(&folder.join(NODES))?.all()?;
     nodes::read(&bytes).map(Some).map_err(|(place, cause)| Error::malformed(folder, place, cause))
 }
 
@@ -220,7 +220,7 @@ fn nodes_of(
     folder: &Path,
     checked: &Checked,
     listed: &[Listed],
-    extents: Option<&[Extent]>,
+    extents: Option<&[NodeExtent]>,
 ) -> Result<Vec<Node>, Error> {
     let grown = |bounds: &Bounds| {
         let by = checked.grid.scale + ROUNDING * bounds.min.abs().max(bounds.max.abs());

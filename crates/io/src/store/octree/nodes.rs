@@ -20,7 +20,7 @@ const RECORD: usize = 36;
 
 /// A node with points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Extent {
+pub(crate) struct NodeExtent {
     /// First byte of its points in octree.bin.
     pub offset: u64,
     /// The largest radius of its points, if they have radii; of Gaussians how far they reach.
@@ -29,7 +29,7 @@ pub(crate) struct Extent {
     pub corners: [[i32; 3]; 2],
 }
 
-impl Extent {
+impl NodeExtent {
     /// Returns the box of its points.
     pub fn bounds(&self, grid: &Grid) -> Bounds {
         let [min, max] = self.corners.map(|corner| grid.position(corner));
@@ -50,7 +50,7 @@ impl Extent {
 }
 
 /// Returns the bytes of the file, for nodes in the order of their bytes.
-pub(crate) fn write(extents: &[Extent]) -> Vec<u8> {
+pub(crate) fn write(extents: &[NodeExtent]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     for extent in extents {
         bytes.extend(extent.offset.to_le_bytes());
@@ -61,7 +61,7 @@ pub(crate) fn write(extents: &[Extent]) -> Vec<u8> {
 }
 
 /// Returns the nodes of the file, in the order of their bytes; or what is wrong, with its place.
-pub(crate) fn read(bytes: &[u8]) -> Result<Vec<Extent>, (String, String)> {
+pub(crate) fn read(bytes: &[u8]) -> Result<Vec<NodeExtent>, (String, String)> {
     let Some(records) = bytes.strip_prefix(&MAGIC) else {
         return Err((NODES.to_owned(), "its first bytes are not those of a file of this version".to_owned()));
     };
@@ -71,7 +71,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Vec<Extent>, (String, String)> {
             format!("{} bytes are not a multiple of the {RECORD} bytes of a record", records.len()),
         ));
     }
-    let read = |(index, bytes)| Extent::read(bytes).map_err(|cause| (format!("{NODES}: record {index}"), cause));
+    let read = |(index, bytes)| NodeExtent::read(bytes).map_err(|cause| (format!("{NODES}: record {index}"), cause));
     let extents = records.chunks_exact(RECORD).enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
     if !extents.is_sorted_by(|a, b| a.offset < b.offset) {
         return Err((NODES.to_owned(), "nodes are not in the order of their bytes".to_owned()));
@@ -86,13 +86,13 @@ mod tests {
     #[test]
     fn nodes_are_read_back_and_inconsistent_ones_are_refused() {
         let extent =
-            |offset, largest_radius| Extent { offset, largest_radius, corners: [[-1, 2, 3], [4, i32::MAX, 3]] };
+            |offset, largest_radius| NodeExtent { offset, largest_radius, corners: [[-1, 2, 3], [4, i32::MAX, 3]] };
         let extents = [extent(0, None), extent(7, Some(0.5))];
         let bytes = write(&extents);
         assert_eq!(read(&bytes).unwrap(), extents);
         assert!(read(&bytes[..bytes.len() - 1]).is_err() && read(&bytes[1..]).is_err());
         assert!(read(&write(&[extents[1], extents[0]])).is_err());
         assert!(read(&write(&[extent(0, Some(-1.0))])).is_err());
-        assert!(read(&write(&[Extent { corners: [[1, 0, 0], [0, 0, 0]], ..extents[0] }])).is_err());
+        assert!(read(&write(&[NodeExtent { corners: [[1, 0, 0], [0, 0, 0]], ..extents[0] }])).is_err());
     }
 }

@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use super::Octree;
-use super::attributes::{Layout, Role};
+use super::attributes::{AttributeLayout, Role};
 use super::decode::{Decoder, full_scale, splats_of};
 use crate::Error;
 use crate::shared::SharedFile;
-use crate::store::{Grid, Survey};
+use crate::store::{Grid, StoreSurvey};
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::cloud::{Bounds, Cloud};
@@ -32,7 +32,7 @@ pub(crate) struct Surveyor {
 
 impl Surveyor {
     /// Starts the survey of a store of this program with so many points in all.
-    pub fn new(mut layout: Layout, grid: Grid, points: u64) -> Self {
+    pub fn new(mut layout: AttributeLayout, grid: Grid, points: u64) -> Self {
         let full = layout.find(&Role::Rgb).and_then(|rgb| full_scale(rgb.kind, None));
         // Facts know nothing of the others.
         let is_plain = |role: &Role| !matches!(role, Role::Scalar(_) | Role::Place | Role::Field | Role::Lit);
@@ -67,7 +67,7 @@ pub(crate) fn head(facts: &Facts) -> Result<Vec<u8>, serde_json::Error> {
 ///
 /// # Errors
 /// Returns an error if the survey can't be read, or can't be of this store.
-pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
+pub(super) fn read(octree: &Octree) -> Result<Option<StoreSurvey>, Error> {
     let folder: &Path = &octree.summary.path;
     if !octree.is_ours || !folder.join(SURVEY).exists() {
         return Ok(None);
@@ -102,5 +102,5 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     if sample.bounds().is_some_and(|bounds| !all.holds(&bounds)) {
         return Err(refused("it has points outside the octree"));
     }
-    Ok(Some(Survey { facts, sample }))
+    Ok(Some(StoreSurvey { facts, sample }))
 }

@@ -37,7 +37,7 @@ fn every_file_opens_as_what_it_is_or_fails_as_loading_does() {
             (opened, loaded) => panic!("{name}: {:?} and {:?}", opened.err(), loaded.err()),
         }
     }
-    for wanted in ["LasPieces", "PlyPieces", "Held"] {
+    for wanted in ["LasPieces", "PlyPieces", "MemoryStore"] {
         assert!(kinds.get(wanted).is_some_and(|count| *count >= 4), "{kinds:?}");
     }
 }

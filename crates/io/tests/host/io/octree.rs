@@ -11,7 +11,7 @@ use pellucid_core::cloud::{Bounds, Cloud, Prepared, UpAxis};
 use pellucid_core::color::decode_srgb;
 use pellucid_core::progress::{Observer, Progress};
 use pellucid_io::store::build::{Built, Settings, build};
-use pellucid_io::store::{Grid, Held, Node, Octree, Piece, Store, Summary, open};
+use pellucid_io::store::{Grid, MemoryStore, Node, Octree, Piece, Store, Summary, open};
 use pellucid_io::{Error, Hints};
 use pellucid_testing_host::{root, whole_clouds};
 use rand::{RngExt, SeedableRng};
@@ -65,7 +65,7 @@ pub fn cloud(count: usize, seed: u64) -> Cloud {
 }
 
 pub fn held(cloud: Cloud) -> Box<dyn Store> {
-    Box::new(Held::new(Path::new("memory"), cloud).unwrap())
+    Box::new(MemoryStore::new(Path::new("memory"), cloud).unwrap())
 }
 
 pub fn write(inputs: &[Box<dyn Store>], folder: &Path, host_memory: u64) -> Built {
@@ -245,7 +245,7 @@ impl Observer for Impatient {
 
 /// Counts what is read of a store.
 #[derive(Debug)]
-struct Counted(Held, Arc<AtomicUsize>);
+struct Counted(MemoryStore, Arc<AtomicUsize>);
 
 impl Store for Counted {
     fn summary(&self) -> &Summary {
@@ -269,7 +269,7 @@ fn a_stopped_build_resumes_where_it_was() {
     write(&[held(cloud(5000, 1))], &whole, TIGHT);
     let (reads, mut stops) = (Arc::new(AtomicUsize::new(0)), 0);
     let begin = || -> Vec<Box<dyn Store>> {
-        let held = Held::new(Path::new("memory"), cloud(5000, 1)).unwrap();
+        let held = MemoryStore::new(Path::new("memory"), cloud(5000, 1)).unwrap();
         vec![Box::new(Counted(held, reads.clone()))]
     };
     // Each time a little further.
@@ -330,7 +330,7 @@ fn folders_of_others_are_left_alone() {
 
 /// A store that lies about its box.
 #[derive(Debug)]
-struct Lying(Held, Summary);
+struct Lying(MemoryStore, Summary);
 
 impl Store for Lying {
     fn summary(&self) -> &Summary {
@@ -349,7 +349,7 @@ impl Store for Lying {
 #[test]
 fn points_outside_of_the_announced_box_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let held = Held::new(Path::new("memory"), cloud(100, 1)).unwrap();
+    let held = MemoryStore::new(Path::new("memory"), cloud(100, 1)).unwrap();
     let summary = Summary {
         bounds: Bounds { min: DVec3::ZERO, max: DVec3::ONE },
         grid: Some(Grid { scale: DVec3::ONE, offset: DVec3::ZERO }),

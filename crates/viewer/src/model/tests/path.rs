@@ -1,7 +1,7 @@
 //! Key frames: made of the camera, gone to, played, saved, and read from files.
 
 use super::*;
-use pellucid_core::camera::import::Source;
+use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::{CameraPath, Key};
 use pellucid_scene::{CameraSettings, Course};
 
@@ -162,19 +162,19 @@ fn files_of_cameras_become_keys() {
         {"eye": [0, -9, 0], "target": [0, 0, 0]}, {"eye": [9, 0, 0], "target": [0, 0, 0]}]}"#;
     let path = CameraPath::from_json(text, Path::new("a.json")).unwrap();
     // Before the first picture the position of the camera is unknown.
-    model.take_path("a.json".into(), Source::Path(path.clone()));
+    model.take_path("a.json".into(), CameraSource::Path(path.clone()));
     assert!(model.route.keys().is_empty());
     shown(&mut model);
     assert_eq!((model.route.path(SIZE), model.message.clone()), (path, Some(("a.json: 2 keys".into(), false))));
     assert!(matches!(pose(&mut model), Pose::At(camera) if camera.eye == Some(DVec3::new(0.0, -9.0, 0.0))));
     // A second file replaces the first; an invalid file changes nothing.
     let key = Key { target: Some([0.0; 3]), up: Some([1.0, 0.0, 0.0]), ..Key::at([5.0, 0.0, 0.0]) };
-    model.take_in(News::Cameras("b.json".into(), Box::new(Source::Path(CameraPath::new(vec![key]))))).unwrap();
+    model.take_in(News::Cameras("b.json".into(), Box::new(CameraSource::Path(CameraPath::new(vec![key]))))).unwrap();
     let (text, wrong) = model.message.clone().unwrap();
     assert!(wrong && text.starts_with("b.json: keys[0].up: ") && model.route.keys().len() == 2, "{text}");
     // Depths of a key are saved with its picture, and are gone with the next movement.
     let key = Key { target: Some([0.0; 3]), near: Some(1.5), far: Some(40.0), ..Key::at([5.0, 0.0, 0.0]) };
-    model.take_path("c.json".into(), Source::Path(CameraPath::new(vec![key])));
+    model.take_path("c.json".into(), CameraSource::Path(CameraPath::new(vec![key])));
     let depths = |model: &Model| {
         let camera = model.document_as_shown().unwrap().scene().unwrap().camera;
         (camera.near, camera.far)
@@ -198,7 +198,7 @@ fn cameras_of_other_programs_become_keys() {
         {\"transform_matrix\": [[0,1,0,0],[0,0,-1,-9],[-1,0,0,0],[0,0,0,1]]}";
     let lens = "\"fl_x\": 48, \"fl_y\": 48, \"w\": 64, \"h\": 96, \"k1\": 0.1";
     std::fs::write(&file, format!("{{{lens}, \"frames\": [{frames}]}}")).unwrap();
-    model.take_path("transforms.json".into(), Source::read(&file).unwrap());
+    model.take_path("transforms.json".into(), CameraSource::read(&file).unwrap());
     let (text, warned) = model.message.clone().unwrap();
     assert!(warned && text.starts_with("transforms.json: 2 keys; ") && text.contains("distortion"), "{text}");
     assert!(model.route.keys().iter().all(|key| key.orientation.is_some() && key.target.is_none()));

@@ -39,7 +39,7 @@ impl Case {
     fn octree(device: &Device) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("store");
-        let input = [Box::new(store::Held::new(Path::new("memory"), landscape()).unwrap()) as Box<dyn Store>];
+        let input = [Box::new(store::MemoryStore::new(Path::new("memory"), landscape()).unwrap()) as Box<dyn Store>];
         let settings = Settings { node_points: 1000, host_memory: 4 << 20 };
         let request = Request::default();
         prepare::store::prepare(&input, &path, &request, &settings, &Progress::hidden()).unwrap();
