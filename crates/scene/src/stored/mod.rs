@@ -144,7 +144,7 @@ impl Stored {
         let (mut clouds, mut anchors) = (Vec::with_capacity(stores.len()), Vec::new());
         let (mut sample, mut first, mut legend) = (Points::default(), 0, Legend::default());
         for (index, store) in stores.iter().enumerate() {
-            let at = cloud::Place { scene: &scene, clips: &clips, index, first };
+            let at = cloud::CloudPlace { scene: &scene, clips: &clips, index, first };
             let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;
             first += cloud.facts.points;
             anchors.push(Anchor::new(&own.sampled().copied().collect::<Vec<_>>(), cloud.bounds()));

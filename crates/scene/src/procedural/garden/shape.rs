@@ -61,7 +61,8 @@ impl PatchShape {
 
     /// Returns the position of (s, t) in the unit square; `None` for the half of it that a triangle leaves out.
     pub(super) fn at(&self, s: f64, t: f64, random: &mut Random) -> Option<PatchPoint> {
-        let surface = |position, normal: DVec3| PatchPoint { position, normal: normal.normalize_or(DVec3::Z), depth: 0.0 };
+        let surface =
+            |position, normal: DVec3| PatchPoint { position, normal: normal.normalize_or(DVec3::Z), depth: 0.0 };
         match *self {
             Self::Quad { corner, u, v } => Some(surface(corner + s * u + t * v, u.cross(v))),
             Self::Triangle { corner, u, v } => (s + t <= 1.0).then(|| surface(corner + s * u + t * v, u.cross(v))),
