@@ -6,10 +6,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-use super::buckets::{Buckets, Plan, Words, points_of};
-use super::pile::{Extent, Pile};
+use super::buckets::{BucketPlan, Buckets, Words, points_of};
+use super::pile::{FileExtent, Pile};
 use super::places::{self, Places};
-use super::records::Layout;
+use super::records::RecordLayout;
 use super::{Seen, Settings, Source};
 use crate::batches::batches;
 use crate::prepare::ensembles::Shuffle;
@@ -30,7 +30,7 @@ const LEAST_POINT_BYTES: u64 = 256;
 #[derive(Debug)]
 pub(super) struct List {
     source: Source,
-    layout: Layout,
+    layout: RecordLayout,
     memory: u64,
     shuffle: Shuffle,
     cells: Cells,
@@ -49,11 +49,11 @@ struct Head {
     /// The end of its words.
     end: u128,
     /// Pieces of the list, each with its first point.
-    pieces: Vec<(u64, Extent)>,
+    pieces: Vec<(u64, FileExtent)>,
     /// Number of points.
     len: u64,
     /// Points in shared places, also those that don't belong to the head, with their ids.
-    sharing: Option<Vec<Vec<Extent>>>,
+    sharing: Option<Vec<Vec<FileExtent>>>,
 }
 
 impl List {
@@ -82,7 +82,7 @@ impl List {
             }
         }
         Ok(seen.map(|seen| Self {
-            layout: Layout { has_normals: settings.has_normals },
+            layout: RecordLayout { has_normals: settings.has_normals },
             memory: settings.memory,
             shuffle: Shuffle::new(place, settings.seed),
             cells: Cells::of(&source.bounds),
@@ -124,7 +124,7 @@ impl List {
         while let Some((first, extent)) = head.pieces.get(at).filter(|_| next < range.end) {
             let end = range.end.min(first + extent.words / size);
             let start = extent.start + (next - first) * size;
-            pile.read(Extent { start, words: (end - next) * size }, into)?;
+            pile.read(FileExtent { start, words: (end - next) * size }, into)?;
             (next, at) = (end, at + 1);
         }
         Ok(())
@@ -132,12 +132,12 @@ impl List {
 
     /// Puts the points of the next words behind the head.
     fn extend(&self, head: &mut Head, words: Words, pile: &Pile, progress: &Progress) -> Result<(), Error> {
-        let plan = Plan::new(words.of(self.len), words, self.layout, self.memory);
+        let plan = BucketPlan::new(words.of(self.len), words, self.layout, self.memory);
         let mut buckets = Buckets::new(plan, pile);
         let sharing = match head.sharing.take() {
             Some(sharing) => self.scatter(&mut buckets, None, progress).map(|()| sharing)?,
             None => {
-                let plan = Plan::new(self.len, Words::ALL, self.layout, self.memory);
+                let plan = BucketPlan::new(self.len, Words::ALL, self.layout, self.memory);
                 let mut sharing = Buckets::new(plan, pile);
                 self.scatter(&mut buckets, Some(&mut sharing), progress)?;
                 let sharing = sharing.finish()?;
@@ -149,7 +149,7 @@ impl List {
             let mut some = Vec::new();
             pile.read(*extent, &mut some)?;
             for record in some.chunks_exact(self.layout.words()) {
-                buckets.add(self.shuffle.word(Layout::id(record)), record)?;
+                buckets.add(self.shuffle.word(RecordLayout::id(record)), record)?;
             }
         }
         head.sharing = Some(sharing);
@@ -210,7 +210,7 @@ impl List {
     }
 
     /// Gives the points of each place, of which a bucket has all, ids of their own.
-    fn tell_apart(&self, bucket: &[Extent], pile: &Pile, progress: &Progress) -> Result<(), Error> {
+    fn tell_apart(&self, bucket: &[FileExtent], pile: &Pile, progress: &Progress) -> Result<(), Error> {
         check(&self.source, progress)?;
         let mut points = self.points(bucket, pile)?;
         // Those of a place have one word so far, and come in canonical order.
@@ -224,8 +224,8 @@ impl List {
         pile.overwrite(bucket, &self.records(&points, &order))
     }
 
-    fn points(&self, bucket: &[Extent], pile: &Pile) -> Result<Points, Error> {
-        Plan::check(points_of(self.layout, bucket), self.memory, &self.source.path)?;
+    fn points(&self, bucket: &[FileExtent], pile: &Pile) -> Result<Points, Error> {
+        BucketPlan::check(points_of(self.layout, bucket), self.memory, &self.source.path)?;
         let mut words = Vec::new();
         bucket.iter().try_for_each(|extent| pile.read(*extent, &mut words))?;
         Ok(self.layout.points(&words))

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 use self::list::List;
 use self::pile::Pile;
-use self::records::Layout;
+use self::records::RecordLayout;
 use super::density::{self, Shuffled};
 use super::ensembles::Surface;
 use pellucid_core::cloud::Bounds;
@@ -88,7 +88,7 @@ pub struct Facts {
 #[derive(Debug)]
 pub struct DealtFile {
     pile: Pile,
-    layout: Layout,
+    layout: RecordLayout,
     lists: Vec<List>,
     clouds: Vec<Facts>,
     surfaces: Vec<Surface>,
@@ -103,7 +103,7 @@ impl DealtFile {
     pub fn deal(clouds: Vec<Source>, settings: &Settings, progress: &Progress) -> Result<Self, Error> {
         progress.set_length(3 * clouds.iter().flat_map(|cloud| &cloud.blocks).sum::<u64>());
         let pile = Pile::new(&settings.folder)?;
-        let layout = Layout { has_normals: settings.has_normals };
+        let layout = RecordLayout { has_normals: settings.has_normals };
         let mut file = Self { pile, layout, lists: vec![], clouds: vec![], surfaces: vec![] };
         for cloud in clouds {
             let Some(list) = List::new(cloud, file.lists.len() as u32, settings, progress)? else { continue };
@@ -190,7 +190,7 @@ impl DealtFile {
 struct Own<'a> {
     list: &'a List,
     pile: &'a Pile,
-    layout: Layout,
+    layout: RecordLayout,
     progress: &'a Progress,
 }
 
@@ -306,7 +306,7 @@ mod tests {
     /// The first points of a list of which no more than some are in the file.
     fn beginning(points: &Points) -> (DealtFile, Dealt) {
         let settings = Settings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() };
-        let (pile, layout) = (Pile::new(&settings.folder).expect("a file"), Layout { has_normals: false });
+        let (pile, layout) = (Pile::new(&settings.folder).expect("a file"), RecordLayout { has_normals: false });
         let list = List::new(source(points), 0, &settings, &Progress::hidden()).expect("read").expect("points");
         let dealt = deal(vec![points.clone()], SEED, &Progress::hidden());
         assert_eq!(list.len, points.len() as u64);
