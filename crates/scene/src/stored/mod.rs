@@ -216,9 +216,9 @@ impl Stored {
         let sources = own.filter_map(|(place, (cloud, anchor))| {
             let blocks = cloud.store.nodes().iter().map(|node| node.points).collect();
             let (path, read) = (cloud.store.summary().path.clone(), nodes.reader(place));
-            Some(dealt_file::Source { path, blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
+            Some(dealt_file::CloudBlocks { path, blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
         });
-        let settings = dealt_file::Settings {
+        let settings = dealt_file::DealSettings {
             has_normals: nodes.clouds.iter().any(StoredCloud::has_normals),
             seed,
             memory: nodes.cache.most(),

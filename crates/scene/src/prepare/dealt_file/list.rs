@@ -10,7 +10,7 @@ use super::buckets::{BucketPlan, Buckets, Words, points_of};
 use super::pile::{FileExtent, Pile};
 use super::places::{self, Places};
 use super::records::RecordLayout;
-use super::{Seen, Settings, Source};
+use super::{CloudBlocks, DealSettings, PointSummary};
 use crate::batches::batches;
 use crate::prepare::ensembles::Shuffle;
 use crate::prepare::morton::Cells;
@@ -29,13 +29,13 @@ const LEAST_POINT_BYTES: u64 = 256;
 /// The list of a cloud.
 #[derive(Debug)]
 pub(super) struct List {
-    source: Source,
+    source: CloudBlocks,
     layout: RecordLayout,
     memory: u64,
     shuffle: Shuffle,
     cells: Cells,
     /// Box, opacities and brightest color of all points.
-    pub seen: Seen,
+    pub seen: PointSummary,
     /// Number of points.
     pub len: u64,
     /// Places that seem to have several points, with more places.
@@ -59,7 +59,12 @@ struct Head {
 impl List {
     /// Returns the list of the cloud at a place among the others, none of which is in order yet. `None` without points
     /// that are drawn.
-    pub fn new(source: Source, place: u32, settings: &Settings, progress: &Progress) -> Result<Option<Self>, Error> {
+    pub fn new(
+        source: CloudBlocks,
+        place: u32,
+        settings: &DealSettings,
+        progress: &Progress,
+    ) -> Result<Option<Self>, Error> {
         let all = source.blocks.iter().sum();
         let [once, shared] = [(); 2].map(|()| Places::new(all, settings.memory / PLACES_PART));
         let look = |block: usize| -> Result<_, Error> {
@@ -71,13 +76,13 @@ impl List {
                 }
             }
             progress.inc(source.blocks[block]);
-            Ok((Seen::of(&points), points.len() as u64))
+            Ok((PointSummary::of(&points), points.len() as u64))
         };
         let (mut seen, mut len) = (None, 0);
         for batch in batches(source.blocks.iter().copied(), settings.memory / 4 / READ_BYTES, usize::MAX) {
             check(&source, progress)?;
             for (own, points) in batch.into_par_iter().map(look).collect::<Result<Vec<_>, Error>>()? {
-                seen = [seen, own].into_iter().flatten().reduce(Seen::and);
+                seen = [seen, own].into_iter().flatten().reduce(PointSummary::and);
                 len += points;
             }
         }
@@ -256,6 +261,6 @@ impl List {
     }
 }
 
-fn check(source: &Source, progress: &Progress) -> Result<(), Error> {
+fn check(source: &CloudBlocks, progress: &Progress) -> Result<(), Error> {
     progress.check().map_err(|_| Error::Cancelled { path: source.path.clone() })
 }

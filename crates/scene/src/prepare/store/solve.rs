@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::super::neighbors::Places;
-use super::super::surface::{self, Seen};
+use super::super::surface::{self, UnscaledEstimates};
 use super::regions::Region;
 use super::source::{Local, RegionStore, SpaceRegion};
 use super::values::{Value, Values};
@@ -82,13 +82,13 @@ impl Solver<'_> {
         Places::group_within(&local.positions, local.normals.as_deref(), &self.source.bounds)
     }
 
-    fn see(&self, local: &Local) -> Seen {
-        let Some(places) = self.places(local) else { return Seen::default() };
+    fn see(&self, local: &Local) -> UnscaledEstimates {
+        let Some(places) = self.places(local) else { return UnscaledEstimates::default() };
         let ValuePlan { k, cap, wants, .. } = *self.plan;
         surface::see(&places, local.normals.as_deref(), (k, cap), wants, &Progress::hidden())
     }
 
-    fn value(&self, seen: &Seen, i: usize) -> Value {
+    fn value(&self, seen: &UnscaledEstimates, i: usize) -> Value {
         let normal = if self.plan.wants.normals { seen.surface.normals[i] } else { Vec3::ZERO };
         let spread = if self.plan.wants.fields { seen.spreads[i] } else { 0.0 };
         Value { radius: seen.surface.radii[i], normal, spread }

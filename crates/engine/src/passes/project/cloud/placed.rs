@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::points::Points;
-use crate::prepare::dealt_file::Facts;
+use crate::prepare::dealt_file::DealtCloud;
 use crate::prepare::ensembles::Surface;
 
 /// A cloud of a dealt list, with the corners of its box.
@@ -30,7 +30,7 @@ impl Placed {
     }
 
     /// Returns a cloud of a list in a file.
-    pub fn of_facts(facts: &Facts) -> Self {
+    pub fn of_facts(facts: &DealtCloud) -> Self {
         Self { surface: facts.surface.clone(), corners: facts.bounds.corners(), uniform: facts.uniform }
     }
 
