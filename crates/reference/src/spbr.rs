@@ -20,7 +20,7 @@ use super::{Picture, dealing};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::random::{key, threefry2x32};
-use pellucid_scene::prepare::ensembles::{Deal, Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Deal, Dealt};
 use pellucid_scene::{Spbr, SpbrSimplified};
 
 /// Separates the random words of this method from those of `stochastic`: "SPBR" on the second word of the key.
@@ -94,7 +94,7 @@ pub struct Share {
 
 /// Returns the share of a cloud in the ensembles. For a cloud without density k is infinite: its points are in every
 /// ensemble. For an invisible cloud it is 0.
-pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rule: &Rule) -> Share {
+pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &CloudSurface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
     let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
     let corners = Bounds::enclosing(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
@@ -266,7 +266,7 @@ pub fn render_with(
 /// The points of each cloud and ensemble.
 fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
     let View { camera, size, dealt, rule, seed, .. } = *view;
-    let hands_of_cloud = |(surface, place): (&Surface, u32)| {
+    let hands_of_cloud = |(surface, place): (&CloudSurface, u32)| {
         let share = share(camera, size[1], dealt, surface, &rule);
         let points = surface.points.end - surface.points.start;
         hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pellucid_reference::spbr::{
     Rule, limit, opacity, opacity_of_segment, over, points_per_pixel, render, render_with, share, slanted,
 };
-use pellucid_scene::prepare::ensembles::{Deal, Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Deal, Dealt};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -24,7 +24,7 @@ fn dealt(clouds: &[(Vec<DVec3>, f64, f32)]) -> Dealt {
         let first = dealt.points.len() as u64;
         let center = pellucid_core::cloud::Bounds::enclosing(positions.iter().copied()).unwrap().center();
         let points = first..first + positions.len() as u64;
-        dealt.surfaces.push(Surface { points, center, density: *density, opacity: *opacity });
+        dealt.surfaces.push(CloudSurface { points, center, density: *density, opacity: *opacity });
         let all = Arc::make_mut(&mut dealt.points);
         all.positions.extend(positions);
         all.opacities.extend(vec![*opacity; positions.len()]);
@@ -159,7 +159,7 @@ fn shares() {
     assert_close(found.unit, 2f64.ln(), ROUNDING);
     assert_eq!((found.depth, found.slots), (2.0, 1404));
     let of = |density: f64, opacity: f32, rule: Rule| {
-        let found = share(&camera, 9, &hundred, &Surface { density, opacity, ..surface.clone() }, &rule);
+        let found = share(&camera, 9, &hundred, &CloudSurface { density, opacity, ..surface.clone() }, &rule);
         (found.ratio, found.slots, found.unit)
     };
     // More than L is L; opaque surfaces and those without a density have all points in all ensembles.

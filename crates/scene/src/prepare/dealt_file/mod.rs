@@ -25,7 +25,7 @@ use self::list::List;
 use self::pile::Pile;
 use self::records::RecordLayout;
 use super::density::{self, Shuffled};
-use super::ensembles::Surface;
+use super::ensembles::CloudSurface;
 use pellucid_core::cloud::Bounds;
 use pellucid_core::points::{Anchor, Points};
 use pellucid_core::progress::Progress;
@@ -75,7 +75,7 @@ pub struct DealSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DealtCloud {
     /// Properties of the cloud.
-    pub surface: Surface,
+    pub surface: CloudSurface,
     /// The box of its points that are drawn.
     pub bounds: Bounds,
     /// `true` if all of them have the same opacity.
@@ -91,7 +91,7 @@ pub struct DealtFile {
     layout: RecordLayout,
     lists: Vec<List>,
     clouds: Vec<DealtCloud>,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<CloudSurface>,
 }
 
 impl DealtFile {
@@ -111,7 +111,7 @@ impl DealtFile {
             let density = density::estimate_of(&own, progress)?;
             let (PointSummary { bounds, opacities, brightest }, first) = (list.seen, file.len());
             let opacity = opacities[1].max(0.0);
-            let surface = Surface { points: first..first + list.len, center: bounds.center(), density, opacity };
+            let surface = CloudSurface { points: first..first + list.len, center: bounds.center(), density, opacity };
             file.surfaces.push(surface.clone());
             file.clouds.push(DealtCloud { surface, bounds, uniform: opacities[0] == opacity, brightest });
             file.lists.push(list);
@@ -140,7 +140,7 @@ impl DealtFile {
     }
 
     /// Returns the properties of the surfaces alone.
-    pub fn surfaces(&self) -> &[Surface] {
+    pub fn surfaces(&self) -> &[CloudSurface] {
         &self.surfaces
     }
 
