@@ -16,7 +16,7 @@ pub use ranges::{Ranges, ranges};
 use super::fragments::{Composite, Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
 use super::shading::to_viewer;
-use super::{Picture, dealing};
+use super::{ReferencePicture, dealing};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::random::{key, threefry2x32};
@@ -216,7 +216,7 @@ pub fn render(
     colors: &[DVec3],
     rule: &Rule,
     seed: u64,
-) -> (Picture, Vec<DVec3>) {
+) -> (ReferencePicture, Vec<DVec3>) {
     render_with(camera, size, dealt, colors, rule, seed, dealing::hands)
 }
 
@@ -229,7 +229,7 @@ pub fn render_with(
     rule: &Rule,
     seed: u64,
     hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
-) -> (Picture, Vec<DVec3>) {
+) -> (ReferencePicture, Vec<DVec3>) {
     let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
     let view = View { camera, size, dealt, ids, rule: *rule, seed };
     let count = size[0] as usize * size[1] as usize;
@@ -260,7 +260,7 @@ pub fn render_with(
     };
     let rgba = sums.iter().map(mean).collect();
     let stderr = sums.iter().map(stderr).collect();
-    (Picture { width: size[0], height: size[1], rgba, depth, counts }, stderr)
+    (ReferencePicture { width: size[0], height: size[1], rgba, depth, counts }, stderr)
 }
 
 /// The points of each cloud and ensemble.
@@ -300,7 +300,7 @@ fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u
 /// Returns the limit of the mean as the number of ensembles grows. Each point is in a share k/L of them, independently
 /// of the others except for one part in their number. So it is the image of points of this opacity, or less where less
 /// than a pixel is drawn, blended front to back. `counts` are the points on a pixel.
-pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> Picture {
+pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> ReferencePicture {
     let view = View { camera, size, dealt, ids: &[], rule: *rule, seed: 0 };
     let mut lists: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for surface in &dealt.surfaces {
@@ -319,5 +319,5 @@ pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], r
         composite(list, colors)
     });
     let composites: Vec<Composite> = composites.collect();
-    Picture::of(size, &composites, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of(size, &composites, lists.iter().map(|list| list.len() as u32).collect())
 }

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use super::super::fragments::{Composite, of_disc};
 use super::super::soft::Ray;
-use super::super::{Picture, gaussians};
+use super::super::{ReferencePicture, gaussians};
 use super::{Hit, PlacedGaussian};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
@@ -266,10 +266,10 @@ pub fn are_drawn(points: &Points, discs: &Discs) -> bool {
 
 /// Returns the whole image of `abuffer`, with ellipsoids ([`are_drawn`]). `colors` holds a color for each point, shaded
 /// and in the space that blending runs in. A count is that of bodies.
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
     let bodies = bodies(camera, size, points, discs);
     let stretch = |pixel: usize| ray(camera, size, [pixel as u32 % size[0], pixel as u32 / size[0]]).stretch;
     let blended = bodies.iter().enumerate().map(|(pixel, list)| blend(list, colors, stretch(pixel)));
     let pixels: Vec<Composite> = blended.collect();
-    Picture::of(size, &pixels, bodies.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of(size, &pixels, bodies.iter().map(|list| list.len() as u32).collect())
 }

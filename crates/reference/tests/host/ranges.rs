@@ -48,7 +48,7 @@ const BARE: ImageSpace = ImageSpace {
 
 /// Asserts that a picture lies within ranges, and returns in how many pixels these are wide.
 #[track_caller]
-fn assert_within(picture: &Picture, ranges: &PictureRange) -> usize {
+fn assert_within(picture: &ReferencePicture, ranges: &PictureRange) -> usize {
     let mut wide = 0;
     for pixel in 0..picture.rgba.len() {
         let colors = picture.rgba[pixel].iter().zip(ranges.rgba[pixel]);

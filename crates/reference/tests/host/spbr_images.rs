@@ -53,19 +53,19 @@ fn plane(per_pixel: f64, z: f64, seed: u64) -> Vec<DVec3> {
 }
 
 /// Mean of A.
-fn mean(picture: &Picture) -> f64 {
+fn mean(picture: &ReferencePicture) -> f64 {
     picture.rgba.iter().map(|c| c[3]).sum::<f64>() / picture.rgba.len() as f64
 }
 
 /// Standard error of the mean over independent pixels, from their spread.
-fn error(picture: &Picture) -> f64 {
+fn error(picture: &ReferencePicture) -> f64 {
     let (mean, count) = (mean(picture), picture.rgba.len() as f64);
     let squares: f64 = picture.rgba.iter().map(|c| (c[3] - mean).powi(2)).sum();
     (squares / count / (count - 1.0)).sqrt()
 }
 
 #[track_caller]
-fn assert_opacity(picture: &Picture, wanted: f64) {
+fn assert_opacity(picture: &ReferencePicture, wanted: f64) {
     let (mean, error) = (mean(picture), error(picture));
     assert!((mean - wanted).abs() < 4.0 * error, "{mean} ± {error} instead of {wanted}");
     // Or the bound would say nothing.
@@ -90,7 +90,7 @@ fn opacities_of_planes() {
 }
 
 /// The pixels that one opaque ensemble of a few points covers.
-fn covered(camera: &Camera, points: &[DVec3], center: DVec3, adjust: bool) -> (Vec<(u32, u32)>, Picture) {
+fn covered(camera: &Camera, points: &[DVec3], center: DVec3, adjust: bool) -> (Vec<(u32, u32)>, ReferencePicture) {
     let mut dealt = dealt(&[(points.to_vec(), 0.0, 1.0)]);
     dealt.surfaces[0].center = center;
     let rule = Rule { ensembles: 1, adjust, cos_theta: true };
