@@ -31,7 +31,7 @@ use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
 use pellucid_gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid_scene::prepare::Arranged;
-use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
 use pellucid_scene::{ColorSpace, Method, Shading, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -187,7 +187,8 @@ fn points(count: usize) -> Points {
 /// Makes the points with a density that asks for each point once: 1 - exp(-0.1) is their opacity.
 fn dealt(count: usize) -> Dealt {
     let points = points(count);
-    let surface = Surface { points: 0..count as u64, center: DVec3::ZERO, density: 10.0, opacity: points.opacities[0] };
+    let surface =
+        CloudSurface { points: 0..count as u64, center: DVec3::ZERO, density: 10.0, opacity: points.opacities[0] };
     Dealt { points: Arc::new(points), surfaces: vec![surface] }
 }
 

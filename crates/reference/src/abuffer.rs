@@ -5,7 +5,7 @@ use glam::DVec3;
 pub use super::fragments::{Composite, Fragment, before_end, composite, splat};
 
 use super::fragments::of_disc;
-use super::{Picture, gaussians};
+use super::{ReferencePicture, gaussians};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::Discs;
@@ -84,7 +84,7 @@ pub fn mean_depth(list: &[Fragment]) -> f64 {
 
 /// Returns the whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
     if gaussians::ellipsoid::are_drawn(points, discs) {
         return gaussians::ellipsoid::render(camera, size, points, colors, discs);
     }
@@ -94,5 +94,5 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
         composite(before_end(&gaussians::with_depths(camera, points, &discs.gaussians, list), stop), colors)
     };
     let pixels: Vec<Composite> = lists.iter().map(pixel).collect();
-    Picture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::abuffer::lists;
 use super::fragments::{Composite, Fragment, composite, coverage, nearest, place};
-use super::{Picture, gaussians, mlab, moments, wavelet};
+use super::{ReferencePicture, gaussians, mlab, moments, wavelet};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::{Hybrid, Method, Mlab, Moments, Tail, Wavelet};
@@ -75,7 +75,13 @@ pub fn hybrid_before(
 /// Returns the whole image by one of the methods of this module, or by `mlab`, `moments` or `wavelet`; `None` for
 /// others. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], method: &Method) -> Option<Picture> {
+pub fn render(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    colors: &[DVec3],
+    method: &Method,
+) -> Option<ReferencePicture> {
     let discs = method.discs()?;
     let lists = lists(camera, size, points, discs);
     let range = [camera.near, camera.far];
@@ -100,5 +106,5 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
     let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &discs.gaussians, list, key);
     let mut pixels = lists.iter().map(pixel).collect::<Option<Vec<Composite>>>()?;
     pixels.iter_mut().zip(&lists).for_each(|(pixel, list)| pixel.depth = shown(list, pixel.depth));
-    Some(Picture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect()))
+    Some(ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect()))
 }

@@ -57,7 +57,7 @@ pub struct Coverage {
 
 /// Returns the pixels that a splat covers, row by row; empty if it is not drawn.
 pub fn footprint(camera: &Camera, size: [u32; 2], splat: &Splat) -> Vec<Coverage> {
-    match Placed::new(camera, size, splat) {
+    match PlacedSplat::new(camera, size, splat) {
         Some(placed) if placed.is_within_depth_range() => placed.window().filter_map(|p| placed.cover(p)).collect(),
         _ => Vec::new(),
     }
@@ -68,7 +68,7 @@ pub fn footprint(camera: &Camera, size: [u32; 2], splat: &Splat) -> Vec<Coverage
 /// always-covered pixel matters, and from its depth to `near` and `far` (in pixels at that depth). To first order for
 /// oriented discs; infinite for a non-finite position.
 pub fn margin_px(camera: &Camera, size: [u32; 2], splat: &Splat) -> f64 {
-    let Some(placed) = Placed::new(camera, size, splat) else { return f64::INFINITY };
+    let Some(placed) = PlacedSplat::new(camera, size, splat) else { return f64::INFINITY };
     let depth = placed.depth_margin_px();
     if !placed.is_within_depth_range() {
         return depth;
@@ -84,7 +84,7 @@ enum Outline {
     Tangent { radius: f64, normal_view: DVec3 },
 }
 
-struct Placed<'a> {
+struct PlacedSplat<'a> {
     camera: &'a Camera,
     size: [u32; 2],
     position_view: DVec3,
@@ -92,7 +92,7 @@ struct Placed<'a> {
     outline: Outline,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedSplat<'a> {
     /// `None` for a non-finite position.
     fn new(camera: &'a Camera, size: [u32; 2], splat: &Splat) -> Option<Self> {
         if !splat.position.is_finite() {

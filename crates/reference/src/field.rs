@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 /// The results of Eq. 20 and 21 for each point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
+pub struct PointEstimates {
     /// Eq. 20.
     pub radii: Vec<f64>,
     /// Eq. 20 without the cap.
@@ -42,7 +42,7 @@ pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<
 
 /// Radii, normals and field of points with these normals, zero where one is missing. A radius is at most `cap` times
 /// the median of those of its neighbors and its own, unless that is 0.
-pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize, cap: f64) -> Surface {
+pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize, cap: f64) -> PointEstimates {
     let lists = nearest(positions, normals, neighbors);
     let uncapped: Vec<f64> = (0..positions.len())
         .map(|i| {
@@ -72,7 +72,7 @@ pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize, cap: f6
     let constant = most - least <= 1e-9 * most;
     let fields = raw.iter().map(|f| if constant { 0.0 } else { (f - least) / (most - least) }).collect();
     let planarity = (0..positions.len()).map(|i| planarity(around(i))).collect();
-    Surface { radii, uncapped, normals, planarity, fields }
+    PointEstimates { radii, uncapped, normals, planarity, fields }
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 pub use ranges::{Home, LayerRange, count_of, homes, nearest as nearest_ranges, ranges, rounded_distance};
 
-use super::Picture;
+use super::ReferencePicture;
 use super::coverage::{Shape, Splat, footprint};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
@@ -232,11 +232,17 @@ pub fn layer(size: [u32; 2], found: &[Option<(f64, usize)>], colors: &[DVec3], a
 
 /// Returns the whole image; opacity is ignored, and a pixel counts one where it is not background after the filters.
 /// `colors` holds a color for each point, shaded and in the space that the image is in ([`super::shading::shade`]).
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], filters: &ImageSpace) -> Picture {
+pub fn render(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    colors: &[DVec3],
+    filters: &ImageSpace,
+) -> ReferencePicture {
     let everything = vec![f64::NEG_INFINITY; size[0] as usize * size[1] as usize];
     let found = nearest(camera, size, points, filters.cull, &everything);
     let distance = layer_distance(filters.min_layer_distance, points);
     let layer = layer(size, &found, colors, |_| 1.0).filtered(filters, distance, camera.far);
     let counts = layer.depth.iter().map(|depth| u32::from(depth.is_finite())).collect();
-    Picture { width: size[0], height: size[1], rgba: layer.rgba, depth: layer.depth, counts }
+    ReferencePicture { width: size[0], height: size[1], rgba: layer.rgba, depth: layer.depth, counts }
 }

@@ -35,7 +35,7 @@ use fragments::Composite;
 
 /// A method's result in float64; the counterpart of [`pellucid_core::image::Image`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
+pub struct ReferencePicture {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
@@ -48,7 +48,7 @@ pub struct Picture {
     pub counts: Vec<u32>,
 }
 
-impl Picture {
+impl ReferencePicture {
     /// Makes a picture of pixels, row by row from the top.
     fn of(size: [u32; 2], pixels: &[Composite], counts: Vec<u32>) -> Self {
         let rgba = pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect();

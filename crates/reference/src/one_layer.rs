@@ -6,7 +6,7 @@ use glam::DVec3;
 
 pub use ranges::ranges;
 
-use super::Picture;
+use super::ReferencePicture;
 use super::coverage::Shape;
 use super::fragments::Composite;
 use super::splats::{self, Fragment};
@@ -70,9 +70,19 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, threshold: f32) -
 }
 
 /// Returns the whole image; `colors` as those of [`splats::render`].
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &OneLayer) -> Picture {
+pub fn render(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    colors: &[DVec3],
+    settings: &OneLayer,
+) -> ReferencePicture {
     let lists = lists(camera, size, points, settings.threshold);
     let (softness, blend_depth) = (f64::from(settings.softness), f64::from(BlendedSplats::default().blend_depth));
     let pixels: Vec<Composite> = lists.iter().map(|parts| parts.blend(colors, softness, blend_depth)).collect();
-    Picture::of(size, &pixels, lists.iter().map(|parts| (parts.soft.len() + parts.solid.len()) as u32).collect())
+    ReferencePicture::of(
+        size,
+        &pixels,
+        lists.iter().map(|parts| (parts.soft.len() + parts.solid.len()) as u32).collect(),
+    )
 }

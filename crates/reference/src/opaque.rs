@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Picture;
+use super::ReferencePicture;
 use super::coverage::{Shape, Splat, footprint};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
@@ -40,7 +40,7 @@ pub fn render(
     shape: Shape,
     settings: &ScreenSplats,
     relief: Relief,
-) -> Picture {
+) -> ReferencePicture {
     let pixels = size[0] as usize * size[1] as usize;
     let mut nearest: Vec<Option<usize>> = vec![None; pixels];
     let mut depth = vec![f64::INFINITY; pixels];
@@ -61,5 +61,5 @@ pub fn render(
         }
     }
     let rgba = nearest.iter().map(|&point| point.map_or([0.0; 4], |index| colors[index].extend(1.0).to_array()));
-    Picture { width: size[0], height: size[1], rgba: rgba.collect(), depth, counts }
+    ReferencePicture { width: size[0], height: size[1], rgba: rgba.collect(), depth, counts }
 }

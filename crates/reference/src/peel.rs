@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::abuffer::of_point;
 use super::fragments::{Fragment, before_end};
-use super::{Picture, gaussians};
+use super::{ReferencePicture, gaussians};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::Discs;
@@ -51,7 +51,7 @@ pub fn render(
     colors: &[DVec3],
     discs: &Discs,
     layers: u32,
-) -> Picture {
+) -> ReferencePicture {
     let (mut rgba, mut depth, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     let stop = gaussians::stop(points, &discs.gaussians);
     for pixel in fragments(camera, size, points, discs) {
@@ -68,5 +68,5 @@ pub fn render(
         let shown = gaussians::with_depths(camera, points, &discs.gaussians, peeled);
         depth.push(shown.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z));
     }
-    Picture { width: size[0], height: size[1], rgba, depth, counts }
+    ReferencePicture { width: size[0], height: size[1], rgba, depth, counts }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 pub use ranges::ranges;
 
-use super::Picture;
+use super::ReferencePicture;
 use super::image_space::{self, Layer};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
@@ -38,7 +38,7 @@ pub fn layers(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
 /// Front to back: C = Σ Tᵢ·Cᵢ with premultiplied Cᵢ and Tᵢ = Π (1 − αⱼ) of the layers before. The depth is that of the
 /// first layer with α > 0, which is +∞ on the softened rim of one; the count is the number of layers that are not
 /// background there.
-pub fn blend(size: [u32; 2], layers: &[Layer]) -> Picture {
+pub fn blend(size: [u32; 2], layers: &[Layer]) -> ReferencePicture {
     let pixels = size[0] as usize * size[1] as usize;
     let (mut rgba, mut depth, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     for pixel in 0..pixels {
@@ -56,11 +56,17 @@ pub fn blend(size: [u32; 2], layers: &[Layer]) -> Picture {
         depth.push(seen.map_or(f64::INFINITY, |layer| layer.depth[pixel]));
         counts.push(layers.iter().filter(|layer| layer.depth[pixel].is_finite()).count() as u32);
     }
-    Picture { width: size[0], height: size[1], rgba, depth, counts }
+    ReferencePicture { width: size[0], height: size[1], rgba, depth, counts }
 }
 
 /// Returns the whole image; its counts are those of the layers of each pixel. `colors` holds a color for each point,
 /// shaded and in the space that blending runs in ([`super::shading::shade`]).
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &PeelLayers) -> Picture {
+pub fn render(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    colors: &[DVec3],
+    settings: &PeelLayers,
+) -> ReferencePicture {
     blend(size, &layers(camera, size, points, colors, settings))
 }

@@ -114,7 +114,7 @@ pub fn hull(a: ColorRange, b: ColorRange) -> ColorRange {
     std::array::from_fn(|c| a[c].hull(b[c]))
 }
 
-/// An image whose decisions roundings make: the counterpart of [`super::Picture`].
+/// An image whose decisions roundings make: the counterpart of [`super::ReferencePicture`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureRange {
     /// Width in pixels.
@@ -123,7 +123,7 @@ pub struct PictureRange {
     pub rgba: Vec<ColorRange>,
     /// Depth, +inf where nothing is.
     pub depth: Vec<Range>,
-    /// The number that [`super::Picture::counts`] counts for the method.
+    /// The number that [`super::ReferencePicture::counts`] counts for the method.
     pub counts: Vec<Range>,
 }
 

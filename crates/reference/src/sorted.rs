@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::fragments::{Composite, Fragment, before_end, composite, of_disc};
-use super::{Picture, gaussians};
+use super::{ReferencePicture, gaussians};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
 use pellucid_scene::{Discs, GaussianSettings, Order};
@@ -54,9 +54,9 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) ->
 
 /// Returns the whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
     let lists = lists(camera, size, points, discs);
     let stop = gaussians::stop(points, &discs.gaussians);
     let pixels: Vec<Composite> = lists.iter().map(|list| composite(before_end(list, stop), colors)).collect();
-    Picture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
 }

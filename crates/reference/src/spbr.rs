@@ -16,11 +16,11 @@ pub use ranges::{Ranges, ranges};
 use super::fragments::{Composite, Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
 use super::shading::to_viewer;
-use super::{Picture, dealing};
+use super::{ReferencePicture, dealing};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::random::{key, threefry2x32};
-use pellucid_scene::prepare::ensembles::{Deal, Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Deal, Dealt};
 use pellucid_scene::{Spbr, SpbrSimplified};
 
 /// Separates the random words of this method from those of `stochastic`: "SPBR" on the second word of the key.
@@ -94,7 +94,7 @@ pub struct Share {
 
 /// Returns the share of a cloud in the ensembles. For a cloud without density k is infinite: its points are in every
 /// ensemble. For an invisible cloud it is 0.
-pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rule: &Rule) -> Share {
+pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &CloudSurface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
     let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
     let corners = Bounds::enclosing(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
@@ -216,7 +216,7 @@ pub fn render(
     colors: &[DVec3],
     rule: &Rule,
     seed: u64,
-) -> (Picture, Vec<DVec3>) {
+) -> (ReferencePicture, Vec<DVec3>) {
     render_with(camera, size, dealt, colors, rule, seed, dealing::hands)
 }
 
@@ -229,7 +229,7 @@ pub fn render_with(
     rule: &Rule,
     seed: u64,
     hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
-) -> (Picture, Vec<DVec3>) {
+) -> (ReferencePicture, Vec<DVec3>) {
     let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
     let view = View { camera, size, dealt, ids, rule: *rule, seed };
     let count = size[0] as usize * size[1] as usize;
@@ -260,13 +260,13 @@ pub fn render_with(
     };
     let rgba = sums.iter().map(mean).collect();
     let stderr = sums.iter().map(stderr).collect();
-    (Picture { width: size[0], height: size[1], rgba, depth, counts }, stderr)
+    (ReferencePicture { width: size[0], height: size[1], rgba, depth, counts }, stderr)
 }
 
 /// The points of each cloud and ensemble.
 fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
     let View { camera, size, dealt, rule, seed, .. } = *view;
-    let hands_of_cloud = |(surface, place): (&Surface, u32)| {
+    let hands_of_cloud = |(surface, place): (&CloudSurface, u32)| {
         let share = share(camera, size[1], dealt, surface, &rule);
         let points = surface.points.end - surface.points.start;
         hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
@@ -300,7 +300,7 @@ fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u
 /// Returns the limit of the mean as the number of ensembles grows. Each point is in a share k/L of them, independently
 /// of the others except for one part in their number. So it is the image of points of this opacity, or less where less
 /// than a pixel is drawn, blended front to back. `counts` are the points on a pixel.
-pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> Picture {
+pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> ReferencePicture {
     let view = View { camera, size, dealt, ids: &[], rule: *rule, seed: 0 };
     let mut lists: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for surface in &dealt.surfaces {
@@ -319,5 +319,5 @@ pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], r
         composite(list, colors)
     });
     let composites: Vec<Composite> = composites.collect();
-    Picture::of(size, &composites, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of(size, &composites, lists.iter().map(|list| list.len() as u32).collect())
 }

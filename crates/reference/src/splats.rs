@@ -8,7 +8,7 @@ use glam::DVec3;
 pub use ranges::ranges;
 pub(super) use ranges::{Candidate, blend as blend_ranges, count, for_each_list, nearest};
 
-use super::Picture;
+use super::ReferencePicture;
 use super::coverage::{Shape, Splat, footprint};
 use super::fragments::Composite;
 use pellucid_core::camera::Camera;
@@ -100,9 +100,9 @@ pub fn render(
     colors: &[DVec3],
     shape: Shape,
     settings: &BlendedSplats,
-) -> Picture {
+) -> ReferencePicture {
     let lists = lists(camera, size, points, shape, &settings.splats, |_| true);
     let blend_depth = f64::from(settings.blend_depth);
     let pixels: Vec<Composite> = lists.iter().map(|list| blend(list, colors, blend_depth)).collect();
-    Picture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
 }

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::abuffer::lists;
 use super::fragments::{Fragment, composite};
-use super::{Picture, gaussians};
+use super::{ReferencePicture, gaussians};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_core::random::{STRATUM, mask, word};
@@ -110,7 +110,7 @@ pub fn render(
     colors: &[DVec3],
     settings: &Stochastic,
     seed: u64,
-) -> (Picture, Vec<DVec3>) {
+) -> (ReferencePicture, Vec<DVec3>) {
     let ids = points.ids(&points.anchor(), 0..points.len());
     render_with(camera, size, points, colors, settings, |pixel, splat, p| word(seed, pixel, ids[splat as usize], p))
 }
@@ -123,7 +123,7 @@ pub fn render_with(
     colors: &[DVec3],
     settings: &Stochastic,
     words: impl Fn([u32; 2], u32, u32) -> u32,
-) -> (Picture, Vec<DVec3>) {
+) -> (ReferencePicture, Vec<DVec3>) {
     let lists = lists(camera, size, points, &settings.discs);
     let estimates: Vec<Estimate> = lists
         .iter()
@@ -135,7 +135,7 @@ pub fn render_with(
         })
         .collect();
     let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &settings.discs.gaussians, list, key);
-    let picture = Picture {
+    let picture = ReferencePicture {
         width: size[0],
         height: size[1],
         rgba: estimates.iter().map(|e| e.color.extend(e.alpha).to_array()).collect(),

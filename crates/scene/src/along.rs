@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::error::{Error, Place};
-use super::framing::{self, Extent, Spheres, Subject};
+use super::framing::{self, Spheres, Subject, ViewExtent};
 use super::scene::Scene;
 use super::settings::CameraSettings;
 use super::view::Vertical;
@@ -148,7 +148,7 @@ pub fn path_defaults(camera: &CameraSettings, up: UpAxis) -> Defaults {
 ///
 /// A plane measures a point p by p·n. During the turn p moves on a circle of radius R at the height h along the axis a,
 /// where p·n is at most h·(a·n) + R·|n − (a·n)a|.
-fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> Extent {
+fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> ViewExtent {
     let [right, up, forward] = spheres.axes;
     let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
     let most = |normal: DVec3| {
@@ -168,11 +168,11 @@ fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> Extent 
         let height = p.dot(axis);
         let radius = (p - axis * height).length();
         let [x, y, minus_x, minus_y] = planes.each_ref().map(|plane| plane(height, radius));
-        Extent {
+        ViewExtent {
             upper: DVec2::new(x, y) + reach * own,
             lower: -DVec2::new(minus_x, minus_y) - reach * own,
             nearest: -nearest(height, radius) - own,
         }
     };
-    spheres.points.spheres().map(one).reduce(|| Extent::NOTHING, Extent::union)
+    spheres.points.spheres().map(one).reduce(|| ViewExtent::NOTHING, ViewExtent::union)
 }

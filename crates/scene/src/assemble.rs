@@ -155,7 +155,7 @@ fn merged(
 ) -> Result<Points, Error> {
     let (mut points, clips) = (Points::default(), Clips::load(&scene.clips)?);
     for (index, cloud) in clouds.into_iter().enumerate() {
-        let from = Source::Whole { needs_radii, progress, legend: legend.as_deref_mut() };
+        let from = CloudScope::Whole { needs_radii, progress, legend: legend.as_deref_mut() };
         points.append(transformed(scene, &clips, index, cloud, from)?);
     }
     if points.is_empty() {
@@ -202,7 +202,7 @@ fn arrange_explained(
     }
     let (each, clips) = (clouds.into_iter().enumerate(), Clips::load(&scene.clips)?);
     let placed = each.map(|(index, cloud)| {
-        let from = Source::Whole { needs_radii: false, progress, legend: legend.as_deref_mut() };
+        let from = CloudScope::Whole { needs_radii: false, progress, legend: legend.as_deref_mut() };
         transformed(scene, &clips, index, cloud, from)
     });
     let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
@@ -219,7 +219,7 @@ pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
 }
 
 /// Available part of a cloud.
-pub(super) enum Source<'a> {
+pub(super) enum CloudScope<'a> {
     /// All of it. What its colors mean goes to the legend.
     Whole { needs_radii: bool, progress: &'a Progress, legend: Option<&'a mut Legend> },
     /// A part, with what is known of the whole, and the places of its points among all of the scene.
@@ -248,17 +248,17 @@ pub(super) fn transformed(
     clips: &Clips,
     index: usize,
     mut cloud: Cloud,
-    from: Source<'_>,
+    from: CloudScope<'_>,
 ) -> Result<Points, Error> {
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
     let field_error = |source| Error::Field { path: settings.path.clone(), source };
     let (coloring, request, found, has_normals) = match &from {
-        Source::Part(known, _) => {
+        CloudScope::Part(known, _) => {
             let found = prepare::of_part(&cloud, &known.request, known.bounds, known.range).map_err(field_error)?;
             let coloring = Coloring::of_part(scene, index, &cloud, &known.scales);
             (coloring, known.request.clone(), found, Some(known.has_normals))
         }
-        Source::Whole { needs_radii, progress, .. } => {
+        CloudScope::Whole { needs_radii, progress, .. } => {
             progress.begin(Phase::Prepare);
             let coloring = Coloring::of(scene, index, &cloud);
             let mut request = request(scene, settings, *needs_radii, needs_field || coloring.needs_field());
@@ -274,13 +274,13 @@ pub(super) fn transformed(
     let count = cloud.len();
     let colors = coloring.colors(found.fields.as_deref())?;
     let file_order = match from {
-        Source::Whole { legend, .. } => {
+        CloudScope::Whole { legend, .. } => {
             if let Some(legend) = legend {
                 legend.add(&coloring, clips, found.fields.as_deref(), found.dropped.as_deref())?;
             }
             Vec::new()
         }
-        Source::Part(_, file_order) => file_order,
+        CloudScope::Part(_, file_order) => file_order,
     };
     let own = matches!(colors, Colors::Own);
     let mut colors = colors.into_list(cloud.colors.take(), count);

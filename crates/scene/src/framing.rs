@@ -154,7 +154,7 @@ pub(super) fn is_centered(settings: &CameraSettings) -> bool {
 
 /// Returns world units over the height of an orthographic image that shows an extent with the margin of all automatic
 /// cameras.
-pub(super) fn height_of(extent: &Extent, centered: bool, [width, height]: [u32; 2], subject: &Subject<'_>) -> f64 {
+pub(super) fn height_of(extent: &ViewExtent, centered: bool, [width, height]: [u32; 2], subject: &Subject<'_>) -> f64 {
     let size = if centered { 2.0 * extent.upper.max(-extent.lower) } else { extent.upper - extent.lower };
     let needed = size.y.max(size.x * f64::from(height) / f64::from(width)) / FILL;
     // Seen along a line of points, or of one point, any height works.
@@ -288,15 +288,15 @@ impl Spheres<'_> {
         self.points.spheres().map(|(position, radius)| self.relative(position, radius))
     }
 
-    fn extent(&self, tangents: DVec2) -> Extent {
+    fn extent(&self, tangents: DVec2) -> ViewExtent {
         // 1/cos of the planes' angles.
         let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
-        let with = |extent: Extent, (offset, depth, radius): (DVec2, f64, f64)| Extent {
+        let with = |extent: ViewExtent, (offset, depth, radius): (DVec2, f64, f64)| ViewExtent {
             upper: extent.upper.max(offset - tangents * depth + reach * radius),
             lower: extent.lower.min(offset + tangents * depth - reach * radius),
             nearest: extent.nearest.min(depth - radius),
         };
-        let known = self.iter().fold(|| Extent::NOTHING, with).reduce(|| Extent::NOTHING, Extent::union);
+        let known = self.iter().fold(|| ViewExtent::NOTHING, with).reduce(|| ViewExtent::NOTHING, ViewExtent::union);
         self.with_groups(known, with, |extent, more| {
             let beyond = (more.upper - extent.upper).max(extent.lower - more.lower).max_element();
             beyond.max(extent.nearest - more.nearest)
@@ -391,14 +391,14 @@ fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 /// r/cos) all fit with a shift between upper − tangent·distance and lower + tangent·distance; such a shift exists if
 /// upper − lower ≤ 2·tangent·distance.
 #[derive(Clone, Copy)]
-pub(super) struct Extent {
+pub(super) struct ViewExtent {
     pub upper: DVec2,
     pub lower: DVec2,
     /// Least depth that any sphere reaches.
     pub nearest: f64,
 }
 
-impl Extent {
+impl ViewExtent {
     /// Extent of no spheres.
     pub const NOTHING: Self = Self { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
 

@@ -64,7 +64,7 @@ pub use overrides::Overrides;
 pub use overview::{Overview, overview};
 pub use recipe::{Lighting, Recipe};
 pub use scene::Scene;
-pub use schema::{Key, Kind, Ladder, Range, Slider, Word, rounded};
+pub use schema::{Key, Ladder, Range, Slider, ValueKind, Word, rounded};
 pub use setting::Setting;
 pub use settings::*;
 pub use surroundings::camera_notes;

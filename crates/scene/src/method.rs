@@ -4,7 +4,7 @@ use super::choice::MethodChoice;
 use super::error::{Error, Place};
 use super::keys::{all_method_keys, owners};
 use super::methods::{METHODS, Method};
-use super::schema::{Key, Kind, Word};
+use super::schema::{Key, ValueKind, Word};
 use super::setting::Setting;
 use super::settings::Raster;
 use super::table::{Context, Table};
@@ -29,7 +29,8 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
         unread.push(key);
     }
     for key in &own {
-        if let (Kind::Words(words), Some(Node { value: Value::String(found), place })) = (key.kind, table.get(key.name))
+        if let (ValueKind::Words(words), Some(Node { value: Value::String(found), place })) =
+            (key.kind, table.get(key.name))
             && is_foreign(key.name, words, found)
         {
             let own: Vec<_> = words.iter().map(|word| format!("{:?}", word.name)).collect();
@@ -76,7 +77,7 @@ impl Method {
 fn is_foreign(key: &str, words: &[Word], found: &str) -> bool {
     let has = |words: &[Word]| words.iter().any(|word| word.name == found);
     let other =
-        |method: Method| method.key(key).is_some_and(|key| matches!(key.kind, Kind::Words(words) if has(words)));
+        |method: Method| method.key(key).is_some_and(|key| matches!(key.kind, ValueKind::Words(words) if has(words)));
     !has(words) && Method::all().into_iter().any(other)
 }
 

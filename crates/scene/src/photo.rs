@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::error::Error;
-use super::schema::{Key, Kind, Range, keys};
+use super::schema::{Key, Range, ValueKind, keys};
 use super::table::Table;
 use pellucid_io::photo::{Heights, Photo};
 
@@ -11,15 +11,15 @@ use pellucid_io::photo::{Heights, Photo};
 pub(super) fn keys() -> Vec<Key> {
     keys! {
         /// Position of the lower left corner of a picture.
-        "photo.origin": Kind::Vector, unit "world units", without "its middle is at (0, 0, 0)";
+        "photo.origin": ValueKind::Vector, unit "world units", without "its middle is at (0, 0, 0)";
         /// Vector from the left to the right edge of a picture; needs `photo.up`.
-        "photo.right": Kind::Direction, unit "world units", without "width 1 along x";
+        "photo.right": ValueKind::Direction, unit "world units", without "width 1 along x";
         /// Vector from the lower to the upper edge of a picture; needs `photo.right`.
-        "photo.up": Kind::Direction, unit "world units", without "along y, with square pixels";
+        "photo.up": ValueKind::Direction, unit "world units", without "along y, with square pixels";
         /// Grayscale picture of heights, relative to the folder of the scene file; needs `photo.height_scale`.
-        "photo.heights": Kind::Text, without "the picture is flat";
+        "photo.heights": ValueKind::Text, without "the picture is flat";
         /// Height of white above black; if negative, white is deepest.
-        "photo.height_scale": Kind::Number(Range::COORDINATE), unit "world units", without "the picture is flat";
+        "photo.height_scale": ValueKind::Number(Range::COORDINATE), unit "world units", without "the picture is flat";
     }
 }
 

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::{Family, Key, Kind, METHODS, Method, MethodChoice, tables};
+use super::{Family, Key, METHODS, Method, MethodChoice, ValueKind, tables};
 
 const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test -p pellucid-scene --lib reference";
 
@@ -105,7 +105,7 @@ fn keys_table(rows: &[(Key, String)], methods: bool) -> String {
 
 /// The description of a key, and of each of its words.
 fn about(key: &Key) -> String {
-    let words = if let Kind::Words(words) | Kind::WordsOr(words, _) = key.kind { words } else { &[] };
+    let words = if let ValueKind::Words(words) | ValueKind::WordsOr(words, _) = key.kind { words } else { &[] };
     let words = words.iter().map(|word| format!("<br>`{}`: {}", word.name, word.about));
     std::iter::once(key.about.to_owned()).chain(words).collect()
 }

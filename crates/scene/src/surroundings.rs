@@ -43,14 +43,14 @@ const DARK: f32 = 0.0195;
 
 /// Some of the points by their coordinates along right, front and up, and the range that each has for all but the
 /// outermost hundredths.
-struct Layout {
+struct PointSpread {
     axes: [DVec3; 3],
     places: Vec<[f64; 3]>,
     low: [f64; 3],
     high: [f64; 3],
 }
 
-impl Layout {
+impl PointSpread {
     /// Surroundings of all points, also of those that are clipped or hidden, so that slices of a scene have one camera.
     /// `None` of few.
     fn of(points: &Points, vertical: Vertical) -> Option<Self> {
@@ -86,7 +86,7 @@ impl Layout {
         if (0..3).any(|axis| self.side(axis) <= 0.0) {
             return None;
         }
-        let plan = Plan::of(self);
+        let plan = FloorPlan::of(self);
         if !plan.is_room() {
             return None;
         }
@@ -109,12 +109,12 @@ struct Cell {
 }
 
 /// A plan of the points from above.
-struct Plan(Vec<Cell>);
+struct FloorPlan(Vec<Cell>);
 
-impl Plan {
-    fn of(layout: &Layout) -> Self {
+impl FloorPlan {
+    fn of(spread: &PointSpread) -> Self {
         let mut cells = vec![Cell::default(); CELLS * CELLS];
-        for [x, y, height] in layout.places.iter().map(|place| layout.shares(place)) {
+        for [x, y, height] in spread.places.iter().map(|place| spread.shares(place)) {
             let Some(cell) = index(x, y).map(|cell| &mut cells[cell]) else { continue };
             cell.any = true;
             cell.floor |= height < LAYER;
@@ -169,12 +169,12 @@ const LOOKED_AT: f64 = 0.4;
 const ELBOW_ROOM: f64 = 0.15;
 
 /// An eye in a room: at its side, where nothing is near.
-fn stand(layout: &Layout, plan: &Plan) -> Option<DVec3> {
-    let places: Vec<DVec3> = layout.places.iter().map(|place| DVec3::from(*place)).collect();
+fn stand(spread: &PointSpread, plan: &FloorPlan) -> Option<DVec3> {
+    let places: Vec<DVec3> = spread.places.iter().map(|place| DVec3::from(*place)).collect();
     let free = |shares: [f64; 3]| {
-        let place = DVec3::from([0, 1, 2].map(|axis| layout.low[axis] + shares[axis] * layout.side(axis)));
+        let place = DVec3::from([0, 1, 2].map(|axis| spread.low[axis] + shares[axis] * spread.side(axis)));
         let nearest = places.iter().map(|other| other.distance_squared(place)).fold(f64::INFINITY, f64::min);
-        nearest.sqrt() >= ELBOW_ROOM * layout.side(2)
+        nearest.sqrt() >= ELBOW_ROOM * spread.side(2)
     };
     // Corners first, which see most.
     let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
@@ -183,7 +183,7 @@ fn stand(layout: &Layout, plan: &Plan) -> Option<DVec3> {
         STANDS.iter().flat_map(|far| corners.iter().chain(&walls).map(move |[x, y]| [0.5 + far * x, 0.5 + far * y]));
     let inside = stands.filter(|[x, y]| index(*x, *y).is_some_and(|cell| plan.is_within(cell)));
     let mut eyes = inside.map(|[x, y]| [x, y, EYE]);
-    eyes.find(|eye| free(*eye)).map(|eye| layout.at(eye))
+    eyes.find(|eye| free(*eye)).map(|eye| spread.at(eye))
 }
 
 /// Returns the settings of a camera within the points, if these surround the middle of the scene as those of a room do:
@@ -193,7 +193,7 @@ pub(super) fn inside(settings: &CameraSettings, points: &Points, vertical: Verti
     if !may_be_inside(settings) {
         return None;
     }
-    let [eye, target] = Layout::of(points, vertical)?.within()?;
+    let [eye, target] = PointSpread::of(points, vertical)?.within()?;
     let up = settings.up.unwrap_or(vertical.up());
     Some(CameraSettings { eye: Some(eye), target: Some(target), up: Some(up), ..*settings })
 }
@@ -209,8 +209,8 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let settings = &scene.camera;
     let vertical = settings.vertical(up);
     let mut notes = Vec::new();
-    let layout = if settings.eye.is_none() { Layout::of(points, vertical) } else { None };
-    if may_be_inside(settings) && layout.as_ref().is_some_and(|layout| layout.within().is_some()) {
+    let spread = if settings.eye.is_none() { PointSpread::of(points, vertical) } else { None };
+    if may_be_inside(settings) && spread.as_ref().is_some_and(|spread| spread.within().is_some()) {
         notes.push(
             "the points surround the middle of the scene, as in a room, so the camera is placed inside; --view iso looks \
              from outside"
@@ -218,7 +218,7 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
         );
     }
     if settings.up.is_none() {
-        notes.extend(layout.and_then(|layout| flat_along_another(&layout, vertical)));
+        notes.extend(spread.and_then(|spread| flat_along_another(&spread, vertical)));
     }
     notes.extend(points.bounds().and_then(|bounds| in_degrees(&bounds)));
     notes.extend(in_the_background(scene, points));
@@ -241,8 +241,8 @@ fn in_degrees(bounds: &Bounds) -> Option<String> {
     })
 }
 
-fn flat_along_another(layout: &Layout, vertical: Vertical) -> Option<String> {
-    let flattest = Vertical::nearest(layout.axes[layout.flattest().filter(|axis| *axis != 2)?])?;
+fn flat_along_another(spread: &PointSpread, vertical: Vertical) -> Option<String> {
+    let flattest = Vertical::nearest(spread.axes[spread.flattest().filter(|axis| *axis != 2)?])?;
     let axis = ["x", "y", "z"][flattest.index()];
     Some(format!(
         "{vertical} is assumed to be up, but the points are flattest along {axis}; use --up {axis} or --up -{axis} if that \

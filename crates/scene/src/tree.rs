@@ -84,7 +84,7 @@ impl Value {
 const STRIDE: usize = 64;
 
 /// Turns byte offsets of one text into places.
-struct Source<'a> {
+struct SourceText<'a> {
     path: String,
     text: &'a str,
     line_starts: Vec<usize>,
@@ -93,7 +93,7 @@ struct Source<'a> {
     characters: Vec<usize>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> SourceText<'a> {
     fn new(text: &'a str, path: &Path) -> Self {
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
         let count = |sum: &mut usize, bytes: &[u8]| Some(std::mem::replace(sum, *sum + begun(bytes)));
@@ -123,7 +123,7 @@ fn begun(bytes: &[u8]) -> usize {
 
 /// Parses a whole document; `path` is only named in places.
 pub(crate) fn parse(text: &str, path: &Path) -> Result<Node, Error> {
-    let source = Source::new(text, path);
+    let source = SourceText::new(text, path);
     let place = |offset| source.place(offset);
     let document = DeTable::parse(text).map_err(|error| Error::Syntax {
         place: source.place(error.span().map_or(0, |span| span.start)),

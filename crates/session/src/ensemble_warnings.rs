@@ -3,7 +3,7 @@
 use pellucid_engine::methods::Frame;
 use pellucid_engine::methods::spbr::share::Share;
 use pellucid_scene::Method;
-use pellucid_scene::prepare::ensembles::Surface;
+use pellucid_scene::prepare::ensembles::CloudSurface;
 
 /// Copies of a point up to which Tanaka et al. (2016, Fig. 5 and Table 1) found opacities to be right.
 const COPIES: f64 = 20.0;
@@ -13,7 +13,7 @@ const ALMOST: f64 = 1.05;
 
 /// A sentence for each cloud that doesn't come out as asked in a frame, and one for all of those with many copies;
 /// `names` are those of the clouds.
-pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], frame: &Frame) -> Vec<String> {
+pub fn warnings(names: &[String], surfaces: &[CloudSurface], shares: &[Share], frame: &Frame) -> Vec<String> {
     let method = &frame.method;
     let (Method::Spbr(_), Some(ensembles)) = (method, method.ensembles()) else { return Vec::new() };
     let mut warnings = Vec::new();
@@ -34,7 +34,7 @@ pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], frame:
 }
 
 /// The reason why a surface can't reach the requested opacity in a picture of this size, and what would.
-fn lost(surface: &Surface, share: &Share, size: [u32; 2]) -> Option<String> {
+fn lost(surface: &CloudSurface, share: &Share, size: [u32; 2]) -> Option<String> {
     let opacity = f64::from(surface.opacity);
     let times = -(-opacity).ln_1p() / share.unit;
     if opacity <= 0.0 || opacity >= 1.0 {
@@ -98,7 +98,7 @@ mod tests {
     }
 
     fn said(density: f64, opacity: f32, slots: u64, capped: bool) -> String {
-        let surface = Surface { points: 10..110, center: DVec3::ZERO, density, opacity };
+        let surface = CloudSurface { points: 10..110, center: DVec3::ZERO, density, opacity };
         let unit = if capped { 0.25 } else { -f64::from(-opacity).ln_1p() };
         let share =
             Share { points: 10..110, slots, depth: 1.0, unit, capped, opacity: 0.221, largest: 1.0, uniform: true };

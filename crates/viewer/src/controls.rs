@@ -14,7 +14,7 @@ pub use clips::{AXES, NewClip, clip_changes, decimals, new_clip, short_number, w
 pub use clouds::{cloud, opacities, opacity};
 
 use pellucid_engine::methods::soft::SoftModel;
-use pellucid_scene::{Density, Key, Kind, Light, Method, Range, Setting, Shadows, Slider, Soft, Word, rounded};
+use pellucid_scene::{Density, Key, Light, Method, Range, Setting, Shadows, Slider, Soft, ValueKind, Word, rounded};
 
 /// The smallest opacity of a slider above 0.
 pub const FAINTEST: f64 = 1e-3;
@@ -101,22 +101,22 @@ pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
     Some(Entry { control, value: key.value.clone().unwrap_or(start), presence, about: key.about })
 }
 
-fn control(kind: Kind, slider: Slider, extent: Extent) -> Option<Control> {
+fn control(kind: ValueKind, slider: Slider, extent: Extent) -> Option<Control> {
     let length = |share: f64| significant(share * extent.diagonal);
     Some(match (kind, slider) {
-        (Kind::WordOr(_, other), slider) => return control(*other, slider, extent),
-        (Kind::Number(_), Slider::Linear(from, to)) => Control::Slider(from, to),
-        (Kind::Number(_), Slider::Powers(from, to)) => Control::Powers(from, to),
-        (Kind::Number(_), Slider::Lengths(from, to)) => Control::Powers(length(from), length(to)),
-        (Kind::Number(_), Slider::Opacity) => Control::Opacity,
-        (Kind::Number(range), Slider::Whole) if range == Range::UNIT => Control::Slider(0.0, 1.0),
-        (Kind::Integer(..), Slider::Count(from, to)) | (Kind::Integer(from, to), Slider::Whole) => {
+        (ValueKind::WordOr(_, other), slider) => return control(*other, slider, extent),
+        (ValueKind::Number(_), Slider::Linear(from, to)) => Control::Slider(from, to),
+        (ValueKind::Number(_), Slider::Powers(from, to)) => Control::Powers(from, to),
+        (ValueKind::Number(_), Slider::Lengths(from, to)) => Control::Powers(length(from), length(to)),
+        (ValueKind::Number(_), Slider::Opacity) => Control::Opacity,
+        (ValueKind::Number(range), Slider::Whole) if range == Range::UNIT => Control::Slider(0.0, 1.0),
+        (ValueKind::Integer(..), Slider::Count(from, to)) | (ValueKind::Integer(from, to), Slider::Whole) => {
             Control::Count(from, to)
         }
-        (Kind::OneOf(numbers), _) => Control::OneOf(numbers),
-        (Kind::Flag, _) => Control::Flag,
-        (Kind::Words(words) | Kind::WordsOr(words, _), _) => Control::Choice(words),
-        (Kind::Color, _) => Control::Color,
+        (ValueKind::OneOf(numbers), _) => Control::OneOf(numbers),
+        (ValueKind::Flag, _) => Control::Flag,
+        (ValueKind::Words(words) | ValueKind::WordsOr(words, _), _) => Control::Choice(words),
+        (ValueKind::Color, _) => Control::Color,
         _ => return None,
     })
 }

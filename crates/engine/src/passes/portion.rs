@@ -144,7 +144,7 @@ mod tests {
     use crate::camera::{Camera, Projection};
     use crate::passes::project::PointExtent;
     use crate::progress::Progress;
-    use crate::supply::{Held, Keep, Supply};
+    use crate::supply::{HeldPoints, Keep, Supply};
 
     fn points(count: usize) -> Points {
         let place = |at: usize| DVec3::new((at * 7919 % count) as f64, (at * 104_729 % 997) as f64, (at % 13) as f64);
@@ -188,7 +188,7 @@ mod tests {
                 .unwrap();
         }
         let together = joined(parts, &bounds);
-        let held = Held::new(Arc::new(all));
+        let held = HeldPoints::new(Arc::new(all));
         let blocks = held.blocks();
         let keeps = |position, block: u32, _: Option<f32>| beam.meets_point(position, blocks[block as usize].radius);
         let wanted = held.take(&beam.pick(blocks), Keep::those(&keeps), &Progress::hidden()).unwrap();

@@ -7,7 +7,7 @@ use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
-use pellucid_reference::{self as reference, Picture};
+use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Mlab, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -44,12 +44,17 @@ fn shapes() -> impl Iterator<Item = Discs> {
     SHAPES.into_iter().flat_map(|shape| FALLOFFS.map(|falloff| Discs { shape, falloff, ..Discs::default() }))
 }
 
-fn reference(points: &Points, camera: &Camera, size: [u32; 2], method: &Method) -> Picture {
+fn reference(points: &Points, camera: &Camera, size: [u32; 2], method: &Method) -> ReferencePicture {
     reference::approximate::render(camera, size, points, &colors(points), method).expect("an approximation")
 }
 
 #[track_caller]
-fn assert_equals(found: &pellucid_core::image::Image, wanted: &Picture, bound: f64, what: &dyn std::fmt::Debug) {
+fn assert_equals(
+    found: &pellucid_core::image::Image,
+    wanted: &ReferencePicture,
+    bound: f64,
+    what: &dyn std::fmt::Debug,
+) {
     let (largest, _) = difference(found, wanted, 0.0);
     assert!(largest < bound, "{what:?}: {largest}");
     assert_eq!(found.fragments.as_deref(), Some(&wanted.counts[..]), "{what:?}");

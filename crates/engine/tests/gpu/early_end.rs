@@ -10,7 +10,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::Frame;
 use pellucid_gpu::Device;
-use pellucid_reference::{self as reference, Picture};
+use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{ColorSpace, Discs, GaussianSettings, Hybrid, LongLists, Method, Order, Peel, Shading};
 use pellucid_testing::gaussians::Soup;
@@ -63,7 +63,7 @@ fn asked(camera: Camera, size: [u32; 2], method: Method) -> Frame {
     Frame { color: ColorSpace::Encoded, depths: true, ..frame(camera, size, method) }
 }
 
-fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> Picture {
+fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> ReferencePicture {
     let colors = reference::shading::shade(points, &frame.camera, &Shading::NONE, frame.color);
     reference::abuffer::render(&frame.camera, frame.size, points, &colors, discs)
 }

@@ -10,7 +10,7 @@ use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_reference::gaussians::{self, PossibleChord, ellipsoid};
 use pellucid_reference::range::{ROUNDING, Range};
-use pellucid_reference::{self as reference, Picture};
+use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{
     ColorSpace, Discs, GaussianSettings, Kernel, LongLists, Method, Peel, Raster, Shading, Stochastic,
@@ -95,7 +95,7 @@ fn allowed(points: &Points, frame: &Frame, discs: &Discs, brightest: f64) -> Vec
 /// Asserts that a picture is what roundings leave of the reference's; returns how many of its pixels are known to a
 /// hundredth.
 #[track_caller]
-fn assert_allowed(image: &Image, wanted: &Picture, allowed: &[Allowed], what: &str) -> usize {
+fn assert_allowed(image: &Image, wanted: &ReferencePicture, allowed: &[Allowed], what: &str) -> usize {
     let mut known = 0;
     for (pixel, allowed) in allowed.iter().enumerate() {
         let (found, wanted, depth) = (image.rgba[pixel], wanted.rgba[pixel], image.depth[pixel]);
@@ -112,7 +112,7 @@ fn assert_allowed(image: &Image, wanted: &Picture, allowed: &[Allowed], what: &s
     known
 }
 
-fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> (Picture, f64) {
+fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> (ReferencePicture, f64) {
     let colors = reference::shading::shade(points, &frame.camera, &Shading::NONE, frame.color);
     let brightest = colors.iter().map(|color| color.max_element()).fold(1.0, f64::max);
     (reference::abuffer::render(&frame.camera, frame.size, points, &colors, discs), brightest)

@@ -16,7 +16,7 @@ use pellucid_reference::approximate::hybrid_before;
 use pellucid_reference::moments::{moments, optical_depth};
 use pellucid_reference::range::ROUNDING;
 use pellucid_reference::wavelet::wavelet;
-use pellucid_reference::{Picture, approximate, gaussians, shading};
+use pellucid_reference::{ReferencePicture, approximate, gaussians, shading};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{
     ColorSpace, DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Method, MomentCount, Moments, Order, Shading,
@@ -103,7 +103,7 @@ fn bound(list: &[Fragment], colors: &[DVec3], camera: &Camera, method: &Method, 
 
 /// Asserts that an image is that of the reference; returns the median bound of pixels with fragments.
 #[track_caller]
-fn assert_like(image: &Image, wanted: &Picture, bounds: &[Option<f64>], what: &Method) -> f64 {
+fn assert_like(image: &Image, wanted: &ReferencePicture, bounds: &[Option<f64>], what: &Method) -> f64 {
     for (pixel, (found, wanted)) in image.rgba.iter().zip(&wanted.rgba).enumerate() {
         let Some(bound) = bounds[pixel] else { continue };
         let off = found.iter().zip(wanted).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);

@@ -11,7 +11,7 @@ use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_reference::abuffer::Fragment;
 use pellucid_reference::gaussians::{self, Possible};
 use pellucid_reference::range::ROUNDING;
-use pellucid_reference::{self as reference, Picture};
+use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{
     ColorSpace, Discs, GaussianSettings, Hybrid, Kernel, Method, Mlab, Order, Peel, Raster, Shading, Stochastic,
@@ -191,7 +191,7 @@ fn clear_pixels(points: &Points, frame: &Frame, settings: &GaussianSettings, col
 }
 
 #[track_caller]
-fn assert_like(image: &Image, wanted: &Picture, clear: &[Option<f64>]) {
+fn assert_like(image: &Image, wanted: &ReferencePicture, clear: &[Option<f64>]) {
     for (pixel, bound) in clear.iter().enumerate() {
         let Some(bound) = bound else { continue };
         let (found, wanted) = (image.rgba[pixel], wanted.rgba[pixel]);

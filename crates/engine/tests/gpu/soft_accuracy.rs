@@ -10,7 +10,7 @@ use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::Device;
 use pellucid_reference::coverage::{Shape, margin_px};
 use pellucid_reference::soft::{Behind, Model, Ray, Scene};
-use pellucid_reference::{Picture, splats};
+use pellucid_reference::{ReferencePicture, splats};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{BlendedSplats, Density, Method, Shells, Soft};
 use pellucid_testing::*;
@@ -110,7 +110,7 @@ impl Case {
         Self { name: name.into(), points: cloud(spheres), camera, size, entry: 0.0 }
     }
 
-    fn reference(&self, method: Method) -> Picture {
+    fn reference(&self, method: Method) -> ReferencePicture {
         let points = &self.points;
         let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
         let model = Model::new(method.as_soft().expect("a soft method"), points);
@@ -121,7 +121,7 @@ impl Case {
     }
 
     /// The picture of the solid points, if there are any; no pixel's center is near the rim of one.
-    fn solids(&self) -> Option<Picture> {
+    fn solids(&self) -> Option<ReferencePicture> {
         let solid: Vec<usize> = (0..self.points.len()).filter(|i| self.points.fields[*i] == 0.0).collect();
         let settings = BlendedSplats::default();
         for i in &solid {
@@ -172,7 +172,7 @@ struct Deviation {
     lengths: usize,
 }
 
-fn deviation(case: &Case, image: &Image, reference: &Picture, doubtful: &[bool]) -> Deviation {
+fn deviation(case: &Case, image: &Image, reference: &ReferencePicture, doubtful: &[bool]) -> Deviation {
     let (rgba, _) = difference(image, reference, 0.0);
     let radius = case.points.radii.iter().copied().fold(0.0, f32::max);
     let roundings = (DEPTH_ROUNDINGS + case.entry) * f64::from(radius);

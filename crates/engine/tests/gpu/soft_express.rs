@@ -9,7 +9,7 @@ use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::Device;
 use pellucid_reference::soft::{Behind, Model, Scene};
-use pellucid_reference::{self as reference, Picture, coverage};
+use pellucid_reference::{self as reference, ReferencePicture, coverage};
 use pellucid_scene::prepare::axes::Axis;
 use pellucid_scene::prepare::order;
 use pellucid_scene::{Density, DiscShape, Discs, Method, Soft};
@@ -50,7 +50,7 @@ fn composed(
     frame: &Frame,
     order: impl Fn(DVec3) -> f64,
     hidden: impl Fn(f64, usize) -> bool,
-) -> Picture {
+) -> ReferencePicture {
     let soft = *frame.method.soft().expect("a soft method");
     let Density::Softness(peak) = soft.density else { panic!("of a softness") };
     let (camera, size) = (&frame.camera, frame.size);
@@ -58,7 +58,7 @@ fn composed(
     indices.sort_by(|a, b| order(points.positions[*a]).total_cmp(&order(points.positions[*b])));
     let pixels = size[0] as usize * size[1] as usize;
     let [width, height] = size;
-    let mut picture = Picture {
+    let mut picture = ReferencePicture {
         width,
         height,
         rgba: vec![[0.0; 4]; pixels],
@@ -96,21 +96,21 @@ fn composed(
 }
 
 /// The picture in the order of the method: along the axis nearest to the view.
-fn along_axis(points: &Points, frame: &Frame) -> Picture {
+fn along_axis(points: &Points, frame: &Frame) -> ReferencePicture {
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
     let model = Model::new(frame.method.as_soft().expect("a soft method"), points);
     Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
 }
 
 /// The picture in order of depth.
-fn by_depth(points: &Points, frame: &Frame) -> Picture {
+fn by_depth(points: &Points, frame: &Frame) -> ReferencePicture {
     composed(points, frame, |p| frame.camera.to_view(p).z, |_, _| false)
 }
 
 /// Largest difference of color and A, of depth as well, where both know the first disc: next to a rim opacities of
 /// nothing and next to nothing differ by rounding.
 #[track_caller]
-fn assert_close(image: &Image, wanted: &Picture, limit: f64) {
+fn assert_close(image: &Image, wanted: &ReferencePicture, limit: f64) {
     let (largest, _) = difference(image, wanted, 0.0);
     assert!(largest < limit, "{largest}");
     let mut apart = 0;

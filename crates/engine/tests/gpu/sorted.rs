@@ -26,7 +26,7 @@ fn flat() -> Method {
     Method::Sorted(Discs::default())
 }
 
-fn reference(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> reference::Picture {
+fn reference(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> reference::ReferencePicture {
     reference::sorted::render(camera, size, points, &colors(points), discs)
 }
 
@@ -268,7 +268,7 @@ fn a_tile_with_many_splats_goes_on_from_run_to_run() {
 }
 
 /// The share of pixels in which two references differ by more than `limit`.
-fn share_apart(a: &reference::Picture, b: &reference::Picture, limit: f64) -> f64 {
+fn share_apart(a: &reference::ReferencePicture, b: &reference::ReferencePicture, limit: f64) -> f64 {
     let differ = |(a, b): &(&[f64; 4], &[f64; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > limit);
     a.rgba.iter().zip(&b.rgba).filter(differ).count() as f64 / a.rgba.len() as f64
 }

@@ -14,7 +14,7 @@ use pellucid_gpu::Device;
 use pellucid_reference::range::ROUNDING;
 use pellucid_reference::spbr::{self as reference, Ranges};
 use pellucid_scene::prepare::Arranged;
-use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
 use pellucid_scene::{ColorSpace, Light, Method, Shading, ShadingModel, Spbr, SpbrSimplified};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -67,7 +67,12 @@ pub(crate) fn dealt(clouds: &[(Points, f64)]) -> Dealt {
         let count = points.len() as u64;
         let opacity = points.opacities.iter().copied().fold(0.0, f32::max);
         let center = points.bounds().expect("points").center();
-        list.surfaces.push(Surface { points: first..first + count, center, density: count as f64 / area, opacity });
+        list.surfaces.push(CloudSurface {
+            points: first..first + count,
+            center,
+            density: count as f64 / area,
+            opacity,
+        });
         let all = Arc::make_mut(&mut list.points);
         all.positions.extend(&points.positions);
         all.colors.extend(&points.colors);

@@ -11,7 +11,7 @@ use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_gpu::Device;
 use pellucid_reference::abuffer::{Fragment, depth_margin, lists};
 use pellucid_reference::stochastic::render_with;
-use pellucid_reference::{self as reference, Picture};
+use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::{DiscShape, Discs, Falloff, Method, Stochastic};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -129,7 +129,7 @@ impl Doubt {
 /// Standard errors are roots of sums of squares, which lose more.
 fn compare(
     image: &Image,
-    (wanted, errors): &(Picture, Vec<DVec3>),
+    (wanted, errors): &(ReferencePicture, Vec<DVec3>),
     (lists, ids): (&[Vec<Fragment>], &[u32]),
     settings: &Stochastic,
     seed: u64,

@@ -6,7 +6,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
-use pellucid_reference::{self as reference, Picture};
+use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::{DiscShape, Discs, Falloff, Method, Raster, Stochastic};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
@@ -35,7 +35,7 @@ fn sampled(
     size: [u32; 2],
     settings: &Stochastic,
     seed: u64,
-) -> (Picture, Vec<DVec3>) {
+) -> (ReferencePicture, Vec<DVec3>) {
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
     reference::stochastic::render(camera, size, points, &colors, settings, seed)
 }
@@ -51,7 +51,7 @@ fn bound(fragments: u32, samples: u32) -> f64 {
 }
 
 /// Share of the pixels whose color, depth or standard error is another one than the reference's, but for rounding.
-fn share_off(image: &Image, (wanted, errors): &(Picture, Vec<DVec3>), bound: f64) -> f64 {
+fn share_off(image: &Image, (wanted, errors): &(ReferencePicture, Vec<DVec3>), bound: f64) -> f64 {
     let found = image.stderr.as_ref().expect("asked for");
     let is_off = |p: &usize| {
         let far = |(a, b): (&f32, &f64)| (f64::from(*a) - b).abs() > bound || a.is_nan();

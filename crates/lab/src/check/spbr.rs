@@ -13,7 +13,7 @@ use pellucid_core::random::threefry2x32;
 use pellucid_engine::Result;
 use pellucid_reference::spbr::slanted;
 use pellucid_scene::prepare::Arranged;
-use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
 use pellucid_scene::{Method, Spbr, SpbrSimplified};
 
 const SIZE: [u32; 2] = [64, 64];
@@ -75,7 +75,12 @@ fn dealt(planes: Vec<(Points, f64)>) -> Dealt {
         let first = points.len() as u64;
         let Some(bounds) = plane.bounds() else { continue };
         let opacity = plane.opacities.iter().copied().fold(0.0, f32::max);
-        surfaces.push(Surface { points: first..first + plane.len() as u64, center: bounds.center(), density, opacity });
+        surfaces.push(CloudSurface {
+            points: first..first + plane.len() as u64,
+            center: bounds.center(),
+            density,
+            opacity,
+        });
         points.append(plane);
     }
     Dealt { points: Arc::new(points), surfaces }

@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3};
 
 use super::super::range::{ROUNDING, Range, screen_error};
-use super::{Outline, Placed, Splat, relative};
+use super::{Outline, PlacedSplat, Splat, relative};
 use pellucid_core::camera::{Camera, Projection};
 
 /// A pixel that a splat may cover.
@@ -27,7 +27,7 @@ pub struct Possible {
 /// Returns the pixels of some rows that a splat may cover ([`super::footprint`]). Near and far have to be clear of its
 /// depth.
 pub fn possible(camera: &Camera, size: [u32; 2], splat: &Splat, rows: std::ops::Range<u32>) -> Vec<Possible> {
-    match Placed::new(camera, size, splat) {
+    match PlacedSplat::new(camera, size, splat) {
         Some(placed) if placed.is_within_depth_range() => {
             placed.window_in(rows).filter_map(|p| placed.possible(p)).collect()
         }
@@ -43,7 +43,7 @@ struct Met {
     inside: [bool; 2],
 }
 
-impl Placed<'_> {
+impl PlacedSplat<'_> {
     fn possible(&self, [x, y]: [u32; 2]) -> Option<Possible> {
         let pixel = DVec2::new(f64::from(x), f64::from(y));
         let home = self.may_be_home(pixel);

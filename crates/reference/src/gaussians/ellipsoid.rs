@@ -14,8 +14,8 @@ use glam::DVec3;
 
 use super::super::fragments::{Composite, of_disc};
 use super::super::soft::Ray;
-use super::super::{Picture, gaussians};
-use super::{Hit, Placed};
+use super::super::{ReferencePicture, gaussians};
+use super::{Hit, PlacedGaussian};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::{Discs, GaussianSettings, Kernel};
@@ -67,7 +67,7 @@ pub fn ray(camera: &Camera, size: [u32; 2], pixel: [u32; 2]) -> Ray {
 }
 
 /// Returns the part of a Gaussian on a pixel's ray; `None` where the ray misses it.
-pub fn meet(placed: &Placed, settings: &GaussianSettings, pixel: [u32; 2], index: u32) -> Option<Body> {
+pub fn meet(placed: &PlacedGaussian, settings: &GaussianSettings, pixel: [u32; 2], index: u32) -> Option<Body> {
     let ray = ray(placed.camera, placed.size, pixel);
     let near = placed.camera.near * ray.stretch;
     let lengths = placed.lengths();
@@ -100,7 +100,7 @@ pub fn meet(placed: &Placed, settings: &GaussianSettings, pixel: [u32; 2], index
 }
 
 /// Returns where a ray meets a Gaussian of which one axis has no length; none of a needle.
-fn meet_flat(placed: &Placed, ray: &Ray) -> Option<f64> {
+fn meet_flat(placed: &PlacedGaussian, ray: &Ray) -> Option<f64> {
     let sides: Vec<DVec3> = (0..3).map(|k| placed.axes.col(k)).filter(|axis| *axis != DVec3::ZERO).collect();
     let [a, b] = sides[..] else { return None };
     let normal = a.cross(b).normalize_or_zero();
@@ -111,7 +111,7 @@ fn meet_flat(placed: &Placed, ray: &Ray) -> Option<f64> {
 }
 
 /// Returns the pixels that an ellipsoid covers when nothing else is there; key and z are where it is entered.
-pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings) -> Vec<Hit> {
+pub(super) fn footprint(placed: &PlacedGaussian, settings: &GaussianSettings) -> Vec<Hit> {
     let hit = |[x, y]: [u32; 2]| {
         let body = meet(placed, settings, [x, y], 0)?;
         let z = body.start / ray(placed.camera, placed.size, [x, y]).stretch;
@@ -133,7 +133,7 @@ pub fn bodies(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -
             }
             continue;
         };
-        let Some(placed) = Placed::new(camera, size, &gaussian) else { continue };
+        let Some(placed) = PlacedGaussian::new(camera, size, &gaussian) else { continue };
         for [x, y] in placed.window(super::ray::bounds(&placed, 1.0)) {
             let body = meet(&placed, &discs.gaussians, [x, y], index as u32);
             pixels[y as usize * size[0] as usize + x as usize].extend(body);
@@ -266,10 +266,10 @@ pub fn are_drawn(points: &Points, discs: &Discs) -> bool {
 
 /// Returns the whole image of `abuffer`, with ellipsoids ([`are_drawn`]). `colors` holds a color for each point, shaded
 /// and in the space that blending runs in. A count is that of bodies.
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
     let bodies = bodies(camera, size, points, discs);
     let stretch = |pixel: usize| ray(camera, size, [pixel as u32 % size[0], pixel as u32 / size[0]]).stretch;
     let blended = bodies.iter().enumerate().map(|(pixel, list)| blend(list, colors, stretch(pixel)));
     let pixels: Vec<Composite> = blended.collect();
-    Picture::of(size, &pixels, bodies.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of(size, &pixels, bodies.iter().map(|list| list.len() as u32).collect())
 }

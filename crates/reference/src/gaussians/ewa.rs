@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::{Hit, Placed, alpha, is_orthographic, largest_rho2, ray};
+use super::{Hit, PlacedGaussian, alpha, is_orthographic, largest_rho2, ray};
 use pellucid_scene::{GaussianSettings, Order};
 
 /// Largest distance beyond the border of the image at which J still follows the center, over the image's half side
@@ -38,7 +38,7 @@ pub struct Projected {
 
 impl Projected {
     /// Projects a Gaussian.
-    pub fn new(placed: &Placed, settings: &GaussianSettings) -> Self {
+    pub fn new(placed: &PlacedGaussian, settings: &GaussianSettings) -> Self {
         let (jacobian, slope) = jacobian(placed);
         let columns = [0, 1, 2].map(|k| (jacobian * placed.axes.col(k)).truncate());
         let dilation = f64::from(settings.dilation);
@@ -77,7 +77,7 @@ impl Projected {
 }
 
 /// μ′ in pixels.
-fn center(placed: &Placed) -> DVec2 {
+fn center(placed: &PlacedGaussian) -> DVec2 {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
     let middle = 0.5 * DVec2::new(f64::from(placed.size[0]), f64::from(placed.size[1]));
     middle + scale * DVec2::new(placed.center.x, -placed.center.y)
@@ -90,7 +90,7 @@ pub(super) fn dilation_factor(ratio: f64) -> f64 {
 
 /// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows
 /// the center to 1.3 times the half field of view.
-fn jacobian(placed: &Placed) -> (DMat3, DVec2) {
+fn jacobian(placed: &PlacedGaussian) -> (DMat3, DVec2) {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
     let across = DMat3::from_diagonal(DVec3::new(scale, -scale, 0.0));
     if is_orthographic(placed.camera) {
@@ -123,7 +123,7 @@ pub(super) fn thickened(axes: DMat3) -> DMat3 {
     DMat3::from_cols(scaled(0), scaled(1), scaled(2))
 }
 
-pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
+pub(super) fn footprint(placed: &PlacedGaussian, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
     let projected = Projected::new(placed, settings);
     let rho2 = largest_rho2(projected.opacity, settings);
     if rho2.is_nan() || rho2 < 0.0 {

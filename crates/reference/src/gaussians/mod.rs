@@ -76,7 +76,7 @@ pub fn footprint(
     settings: &GaussianSettings,
     order: Order,
 ) -> Vec<Hit> {
-    let Some(placed) = Placed::new(camera, size, gaussian) else { return Vec::new() };
+    let Some(placed) = PlacedGaussian::new(camera, size, gaussian) else { return Vec::new() };
     match settings.kernel {
         Kernel::Ewa => ewa::footprint(&placed, settings, order),
         Kernel::Ray => ray::footprint(&placed, settings, order),
@@ -118,7 +118,7 @@ pub fn depth_of_key(camera: &Camera, points: &Points, settings: &GaussianSetting
 }
 
 /// A Gaussian before a camera.
-pub struct Placed<'a> {
+pub struct PlacedGaussian<'a> {
     camera: &'a Camera,
     size: [u32; 2],
     /// μ in camera coordinates (right, up, z).
@@ -129,7 +129,7 @@ pub struct Placed<'a> {
     distance: f64,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedGaussian<'a> {
     /// `None` of a center that is outside the range of depths, or nowhere.
     pub fn new(camera: &'a Camera, size: [u32; 2], gaussian: &Gaussian) -> Option<Self> {
         let center = camera.to_view(gaussian.position);

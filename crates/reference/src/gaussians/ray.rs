@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::{Hit, Placed, alpha, is_orthographic, largest_rho2};
+use super::{Hit, PlacedGaussian, alpha, is_orthographic, largest_rho2};
 use crate::coverage::on_screen;
 use pellucid_scene::{GaussianSettings, Order};
 
@@ -23,7 +23,7 @@ pub struct Densest {
 }
 
 /// Returns where a Gaussian with these axes in camera coordinates is densest along the ray through a pixel's center.
-pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
+pub fn densest(placed: &PlacedGaussian, axes: DMat3, pixel: [u32; 2]) -> Densest {
     let rows = axes.transpose();
     let on_plane = placed.on_plane(pixel);
     let center = placed.center;
@@ -42,13 +42,13 @@ pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
 
 /// Returns a box on the screen around the ellipsoid of this ρ²: that of its box in camera coordinates. Everything if
 /// that reaches the eye.
-pub(super) fn bounds(placed: &Placed, rho2: f64) -> [DVec2; 2] {
+pub(super) fn bounds(placed: &PlacedGaussian, rho2: f64) -> [DVec2; 2] {
     let rows = placed.axes.transpose();
     let half = rho2.sqrt() * DVec3::from([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.length()));
     on_screen(placed.camera, placed.size, placed.center - half, placed.center + half)
 }
 
-pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
+pub(super) fn footprint(placed: &PlacedGaussian, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
     let rho2 = largest_rho2(placed.opacity, settings);
     if rho2.is_nan() || rho2 < 0.0 {
         return Vec::new();

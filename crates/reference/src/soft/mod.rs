@@ -16,7 +16,7 @@ use rayon::prelude::*;
 pub use self::density::Strength;
 pub use self::ray::{Chord, Ray};
 pub use self::spans::{Limits, Medium, Span, in_8_bits};
-use super::Picture;
+use super::ReferencePicture;
 use super::coverage::is_in_depth;
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
@@ -73,7 +73,7 @@ impl Behind {
     pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
 
     /// Returns a pixel of a picture of the solid points.
-    pub fn from_picture(picture: &Picture, pixel: usize) -> Self {
+    pub fn from_picture(picture: &ReferencePicture, pixel: usize) -> Self {
         let [r, g, b, alpha] = picture.rgba[pixel];
         Self { color: DVec3::new(r, g, b), alpha, depth: picture.depth[pixel] }
     }
@@ -185,12 +185,12 @@ impl Scene<'_> {
     }
 
     /// Renders the whole image. `behind` gives the background of a pixel.
-    pub fn render(&self, behind: impl Fn(usize) -> Behind + Sync) -> Picture {
+    pub fn render(&self, behind: impl Fn(usize) -> Behind + Sync) -> ReferencePicture {
         let pixels = match self.model.method {
             SoftMethod::Express(_) => self.render_at(&(0..self.pixels()).collect::<Vec<_>>(), behind),
             _ => self.render_rows(behind),
         };
-        Picture {
+        ReferencePicture {
             width: self.size[0],
             height: self.size[1],
             rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),

@@ -4,11 +4,11 @@ use pellucid_reference::opaque;
 
 use super::*;
 
-fn render(positions: &[DVec3], shape: Shape, settings: ScreenSplats) -> Picture {
+fn render(positions: &[DVec3], shape: Shape, settings: ScreenSplats) -> ReferencePicture {
     render_moved(positions, shape, settings, Relief::Flat)
 }
 
-fn render_moved(positions: &[DVec3], shape: Shape, settings: ScreenSplats, relief: Relief) -> Picture {
+fn render_moved(positions: &[DVec3], shape: Shape, settings: ScreenSplats, relief: Relief) -> ReferencePicture {
     let points = Points {
         positions: positions.to_vec(),
         colors: vec![Vec3::ONE; positions.len()],

@@ -8,7 +8,7 @@ use pellucid_reference::range::{PictureRange, ROUNDING as ROUNDED, Range};
 use pellucid_reference::shadows::{Frames, frames, share_ranges, shares};
 use pellucid_reference::spbr::Rule;
 use pellucid_reference::{image_space, peel_layers, spbr, splats};
-use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
 use pellucid_scene::{BlendedSplats, ImageSpace, PeelLayers};
 use pellucid_testing_host::{P, soup};
 
@@ -48,7 +48,7 @@ const BARE: ImageSpace = ImageSpace {
 
 /// Asserts that a picture lies within ranges, and returns in how many pixels these are wide.
 #[track_caller]
-fn assert_within(picture: &Picture, ranges: &PictureRange) -> usize {
+fn assert_within(picture: &ReferencePicture, ranges: &PictureRange) -> usize {
     let mut wide = 0;
     for pixel in 0..picture.rgba.len() {
         let colors = picture.rgba[pixel].iter().zip(ranges.rgba[pixel]);
@@ -172,7 +172,7 @@ fn ranges_contain_the_exact_values_and_most_are_closed() {
 fn lone(opacity: f32, at: DVec3) -> Dealt {
     let mut dealt = Dealt::default();
     *Arc::make_mut(&mut dealt.points) = points(&[P { position: at, opacity, ..point(0.0, 0.0, 0.0, Vec3::ONE) }]);
-    dealt.surfaces.push(Surface { points: 0..1, center: at, density: 1e-9, opacity: 0.5 });
+    dealt.surfaces.push(CloudSurface { points: 0..1, center: at, density: 1e-9, opacity: 0.5 });
     dealt
 }
 

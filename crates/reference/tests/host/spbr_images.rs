@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pellucid_reference::spbr::{
     Rule, limit, opacity, opacity_of_segment, over, points_per_pixel, render, render_with, share, slanted,
 };
-use pellucid_scene::prepare::ensembles::{Deal, Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Deal, Dealt};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -24,7 +24,7 @@ fn dealt(clouds: &[(Vec<DVec3>, f64, f32)]) -> Dealt {
         let first = dealt.points.len() as u64;
         let center = pellucid_core::cloud::Bounds::enclosing(positions.iter().copied()).unwrap().center();
         let points = first..first + positions.len() as u64;
-        dealt.surfaces.push(Surface { points, center, density: *density, opacity: *opacity });
+        dealt.surfaces.push(CloudSurface { points, center, density: *density, opacity: *opacity });
         let all = Arc::make_mut(&mut dealt.points);
         all.positions.extend(positions);
         all.opacities.extend(vec![*opacity; positions.len()]);
@@ -53,19 +53,19 @@ fn plane(per_pixel: f64, z: f64, seed: u64) -> Vec<DVec3> {
 }
 
 /// Mean of A.
-fn mean(picture: &Picture) -> f64 {
+fn mean(picture: &ReferencePicture) -> f64 {
     picture.rgba.iter().map(|c| c[3]).sum::<f64>() / picture.rgba.len() as f64
 }
 
 /// Standard error of the mean over independent pixels, from their spread.
-fn error(picture: &Picture) -> f64 {
+fn error(picture: &ReferencePicture) -> f64 {
     let (mean, count) = (mean(picture), picture.rgba.len() as f64);
     let squares: f64 = picture.rgba.iter().map(|c| (c[3] - mean).powi(2)).sum();
     (squares / count / (count - 1.0)).sqrt()
 }
 
 #[track_caller]
-fn assert_opacity(picture: &Picture, wanted: f64) {
+fn assert_opacity(picture: &ReferencePicture, wanted: f64) {
     let (mean, error) = (mean(picture), error(picture));
     assert!((mean - wanted).abs() < 4.0 * error, "{mean} ± {error} instead of {wanted}");
     // Or the bound would say nothing.
@@ -90,7 +90,7 @@ fn opacities_of_planes() {
 }
 
 /// The pixels that one opaque ensemble of a few points covers.
-fn covered(camera: &Camera, points: &[DVec3], center: DVec3, adjust: bool) -> (Vec<(u32, u32)>, Picture) {
+fn covered(camera: &Camera, points: &[DVec3], center: DVec3, adjust: bool) -> (Vec<(u32, u32)>, ReferencePicture) {
     let mut dealt = dealt(&[(points.to_vec(), 0.0, 1.0)]);
     dealt.surfaces[0].center = center;
     let rule = Rule { ensembles: 1, adjust, cos_theta: true };
@@ -159,7 +159,7 @@ fn shares() {
     assert_close(found.unit, 2f64.ln(), ROUNDING);
     assert_eq!((found.depth, found.slots), (2.0, 1404));
     let of = |density: f64, opacity: f32, rule: Rule| {
-        let found = share(&camera, 9, &hundred, &Surface { density, opacity, ..surface.clone() }, &rule);
+        let found = share(&camera, 9, &hundred, &CloudSurface { density, opacity, ..surface.clone() }, &rule);
         (found.ratio, found.slots, found.unit)
     };
     // More than L is L; opaque surfaces and those without a density have all points in all ensembles.

@@ -18,13 +18,13 @@ enum Side {
 }
 
 /// Tells where points lie.
-type Shape = Box<dyn Fn(DVec3) -> Side + Send + Sync>;
+type SideTest = Box<dyn Fn(DVec3) -> Side + Send + Sync>;
 
 /// The clips of a scene, with the polygons of their files.
 #[derive(Default)]
 pub(super) struct Clips {
     /// Each with `invert`.
-    clips: Vec<(Shape, bool)>,
+    clips: Vec<(SideTest, bool)>,
 }
 
 impl std::fmt::Debug for Clips {
@@ -58,7 +58,7 @@ impl Clips {
     }
 }
 
-fn shape(shape: &ClipShape) -> Result<Shape, Error> {
+fn shape(shape: &ClipShape) -> Result<SideTest, Error> {
     Ok(match *shape {
         ClipShape::Box { min, max } => {
             Box::new(move |p: DVec3| within([0, 1, 2].map(|axis| (min[axis], p[axis], max[axis]))))

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::dealt_file::DealtFile;
-use super::ensembles::{Dealt, Surface};
+use super::ensembles::{CloudSurface, Dealt};
 use crate::supply::Supply;
 use pellucid_core::points::Points;
 
@@ -46,7 +46,7 @@ impl Arranged {
     }
 
     /// Returns the clouds, if they are kept apart.
-    pub fn surfaces(&self) -> &[Surface] {
+    pub fn surfaces(&self) -> &[CloudSurface] {
         match self {
             Self::Canonical(_) => &[],
             Self::Dealt(dealt) => &dealt.surfaces,

@@ -4,7 +4,7 @@
 //! dealt to L ensembles, ⌊(e+1)M/L⌋ − ⌊eM/L⌋ to ensemble e, so that sizes differ by at most one. No copy is stored.
 //!
 //! Ensembles of the first pass take the points one after the other; for k ≤ 1 this is the only pass, and the points
-//! left out are random. Each later pass deals some of the points once more, in other hands ([`Rows`]). In the same
+//! left out are random. Each later pass deals some of the points once more, in other hands ([`PassRows`]). In the same
 //! order its ensembles would repeat those of the first pass, and the noise would remain that of L/k ensembles. No
 //! ensemble holds a point twice, since M/L ≤ N.
 
@@ -25,7 +25,7 @@ const SHUFFLE: u32 = 0x7368_7566;
 
 /// Properties of one cloud.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
+pub struct CloudSurface {
     /// The range of its points in the list.
     pub points: Range<u64>,
     /// Middle of the box of its points, in world coordinates: where a point is one pixel wide.
@@ -44,7 +44,7 @@ pub struct Dealt {
     /// All points; shared with what renders them, which may have no room for all of them at once.
     pub points: Arc<Points>,
     /// The clouds, in the order of their points.
-    pub surfaces: Vec<Surface>,
+    pub surfaces: Vec<CloudSurface>,
 }
 
 /// Returns the copies of ensemble `ensemble` of `ensembles`, if `slots` copies are dealt in all, one ensemble behind
@@ -75,14 +75,14 @@ pub struct Pass {
     /// Range of ensembles.
     pub ensembles: Range<u32>,
     /// The positions of their points; `None` for the first pass, whose n-th copy is the n-th point.
-    pub rows: Option<Rows>,
+    pub rows: Option<PassRows>,
 }
 
 /// Points of a later pass: rows of blocks. Every ensemble takes one block of each row: in row i, the h-th ensemble of
 /// the pass takes the block h places after a random one, cyclically. Blocks are consecutive points, for coherent memory
 /// access; a hand has enough blocks to be a random part of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rows {
+pub struct PassRows {
     /// The first point of the first row, at random; behind the cloud's last point comes its first.
     pub first: u64,
     /// N.
@@ -131,14 +131,14 @@ impl Deal {
     }
 
     /// The rows of a pass, wherever they begin.
-    fn rows(&self) -> Rows {
+    fn rows(&self) -> PassRows {
         let hand = self.slots.div_ceil(u64::from(self.ensembles)).max(1);
         let bits = (hand / LEAST_BLOCKS).max(1).ilog2().min(MOST_BLOCK_BITS);
         // Whole blocks may need more points than exist.
         let block_bits = if hand.div_ceil(1 << bits) << bits <= self.points { bits } else { 0 };
         let count = hand.div_ceil(1 << block_bits);
         let columns = (self.points.min(MOST_OF_ROWS) / (count << block_bits)).clamp(1, MOST_OF_ROW >> block_bits);
-        Rows { first: 0, points: self.points, count, columns: columns as u32, block_bits, word: 0 }
+        PassRows { first: 0, points: self.points, count, columns: columns as u32, block_bits, word: 0 }
     }
 
     /// Returns the points of an ensemble, counted from the cloud's first.
@@ -153,7 +153,7 @@ impl Deal {
     }
 }
 
-impl Rows {
+impl PassRows {
     /// Returns the number of points of all rows.
     pub fn len(&self) -> u64 {
         (self.count * u64::from(self.columns)) << self.block_bits
@@ -238,7 +238,7 @@ pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, m
         drop(order);
         progress.inc(cloud.len() as u64);
         let first = points.len() as u64;
-        surfaces.push(Surface {
+        surfaces.push(CloudSurface {
             points: first..first + cloud.len() as u64,
             center: bounds.center(),
             density: density::estimate(&cloud.positions, progress),
@@ -301,7 +301,7 @@ impl Dealt {
     /// Returns the same clouds, each shuffled once more by another seed: as good an order as this one, with other
     /// ensembles.
     pub fn again(&self, seed: u64) -> Self {
-        let shuffled = |(surface, place): (&Surface, u32)| {
+        let shuffled = |(surface, place): (&CloudSurface, u32)| {
             let [first, end] = [surface.points.start, surface.points.end].map(|point| point as usize);
             shuffle(&self.points.dealt_ids[first..end], place, seed)
                 .into_iter()

@@ -274,7 +274,7 @@ pub(crate) fn of_part(
 }
 
 /// The cloud's own normals, with those that are wanted in place of missing ones.
-fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surface) -> Vec<Vec3> {
+fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::SurfaceEstimates) -> Vec<Vec3> {
     let own = |i: usize| cloud.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i]);
     let one = |i: usize| match own(i) {
         Vec3::ZERO if which == ShadingNormals::Planar && !surface.planar[i] => Vec3::ZERO,

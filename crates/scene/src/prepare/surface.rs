@@ -12,7 +12,7 @@ use pellucid_core::cloud::field;
 
 /// The result of one pass over every point's neighbors, in the order of the cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Surface {
+pub struct SurfaceEstimates {
     /// Eq. 20 with its cap, as [`radius::estimate`] finds them, to the bit.
     pub radii: Vec<f32>,
     /// Radii of Eq. 20 without its cap.
@@ -35,12 +35,22 @@ pub struct Surface {
 /// order of the points nor the sign of a normal changes a bit.
 ///
 /// Takes about 4·K + 170 bytes per point; without the 4·K, and slower, if those are more than 2 GiB.
-pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32), progress: &Progress) -> Surface {
+pub fn estimate(
+    positions: &[DVec3],
+    normals: Option<&[Vec3]>,
+    around: (usize, f32),
+    progress: &Progress,
+) -> SurfaceEstimates {
     look(positions, normals, around, true, progress)
 }
 
 /// Returns the same without F.
-pub fn shape(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32), progress: &Progress) -> Surface {
+pub fn shape(
+    positions: &[DVec3],
+    normals: Option<&[Vec3]>,
+    around: (usize, f32),
+    progress: &Progress,
+) -> SurfaceEstimates {
     look(positions, normals, around, false, progress)
 }
 
@@ -50,12 +60,12 @@ fn look(
     (neighbors, cap): (usize, f32),
     wants_fields: bool,
     progress: &Progress,
-) -> Surface {
+) -> SurfaceEstimates {
     let count = positions.len();
     let k = neighbors.min(count.saturating_sub(1));
     let Some(places) = Places::group(positions, normals).filter(|_| k > 0) else {
         let zeros = || vec![0.0; count];
-        return Surface {
+        return SurfaceEstimates {
             radii: zeros(),
             uncapped: zeros(),
             normals: normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec),
@@ -64,14 +74,14 @@ fn look(
         };
     };
     let seen = see(&places, normals, (k, cap), Wants { normals: true, fields: wants_fields }, progress);
-    Surface { fields: field::scaled(&seen.spreads), ..seen.surface }
+    SurfaceEstimates { fields: field::scaled(&seen.spreads), ..seen.surface }
 }
 
 /// View of points before F is scaled, in their order.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct UnscaledEstimates {
     /// Surface without F.
-    pub surface: Surface,
+    pub surface: SurfaceEstimates,
     /// F before it is scaled; empty unless asked for.
     pub spreads: Vec<f64>,
     /// The distance of the last of K neighbors.
@@ -94,7 +104,7 @@ pub(super) fn see(
     (k, cap): (usize, f32),
     wants: Wants,
     progress: &Progress,
-) -> Seen {
+) -> UnscaledEstimates {
     let lacks = wants.normals || wants.fields;
     let missing = lacks && given.is_none_or(|normals| normals.contains(&Vec3::ZERO));
     let see = |place: usize, others: &[u32], distance: f64| {
@@ -129,7 +139,11 @@ pub(super) fn see(
     };
     let radii = radius::of_distances(places, &ranks, k, &distances);
     let (normals, planar) = ranks.par_iter().map(|&rank| ranked[rank as usize]).unzip();
-    Seen { surface: Surface { radii, uncapped, normals, planar, fields: Vec::new() }, spreads, last }
+    UnscaledEstimates {
+        surface: SurfaceEstimates { radii, uncapped, normals, planar, fields: Vec::new() },
+        spreads,
+        last,
+    }
 }
 
 /// Eq. 21 of all points by rank, without a factor common to all.

@@ -12,7 +12,7 @@ pub struct Key {
     /// Description of the key, in a sentence.
     pub about: &'static str,
     /// Kind of values that the key takes.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// The unit of its numbers; empty if they have none.
     pub unit: &'static str,
     /// The value in force; `None` if none was given and none stands for it.
@@ -39,7 +39,7 @@ impl Key {
         Self {
             name,
             about: about.trim_start(),
-            kind: Kind::Flag,
+            kind: ValueKind::Flag,
             unit: "",
             value: None,
             without: "",
@@ -56,7 +56,7 @@ impl Key {
 /// The values that a key takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Kind {
+pub enum ValueKind {
     /// A number.
     Number(Range),
     /// A whole number from the first to the second.
@@ -70,7 +70,7 @@ pub enum Kind {
     /// Choice from some words, or another string, described by a phrase.
     WordsOr(&'static [Word], &'static str),
     /// A word, or else a value of another kind.
-    WordOr(&'static str, &'static Kind),
+    WordOr(&'static str, &'static ValueKind),
     /// Linear R, G, B, each from 0 to 1.
     Color,
     /// Three coordinates.
@@ -87,7 +87,7 @@ pub enum Kind {
     Other(&'static str),
 }
 
-impl std::fmt::Display for Kind {
+impl std::fmt::Display for ValueKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Number(range) if *range == Range::COORDINATE => f.write_str("number"),

@@ -70,8 +70,8 @@ macro_rules! settings {
 
         impl $crate::schema::Settings for $Name {
             fn keys(&self) -> Vec<$crate::schema::Key> {
-                use $crate::schema::{Key, Part, allowed};
-                [$(Part::keys(
+                use $crate::schema::{Key, SettingsField, allowed};
+                [$(SettingsField::keys(
                     &self.$field,
                     Key {
                         $(unit: $unit,)?
@@ -93,18 +93,18 @@ macro_rules! settings {
 
             fn parts<'a>(&'a self, all: &mut Vec<&'a dyn std::any::Any>) {
                 all.push(self);
-                $($crate::schema::Part::parts(&self.$field, all);)*
+                $($crate::schema::SettingsField::parts(&self.$field, all);)*
             }
 
             fn read(&mut self, table: &$crate::table::Table<'_>) -> Result<(), $crate::error::Error> {
-                use $crate::schema::{Part, allowed};
-                $(Part::update(&mut self.$field, table, stringify!($field), allowed!($($allowed)?))?;)*
+                use $crate::schema::{SettingsField, allowed};
+                $(SettingsField::update(&mut self.$field, table, stringify!($field), allowed!($($allowed)?))?;)*
                 $($check(self, table)?;)?
                 Ok(())
             }
         }
 
-        impl $crate::schema::Part for $Name {
+        impl $crate::schema::SettingsField for $Name {
             type Allowed = ();
 
             fn keys(&self, _: $crate::schema::Key, (): ()) -> Vec<$crate::schema::Key> {
@@ -175,7 +175,7 @@ macro_rules! words {
         }
 
         $crate::schema::value! {
-            $Name => $crate::schema::Kind::Words($Name::WORDS);
+            $Name => $crate::schema::ValueKind::Words($Name::WORDS);
             |table, key| table.choice(key, $Name::ALL);
             |word| Some($crate::setting::Setting::Word(word.word().to_owned()));
         }
@@ -196,7 +196,7 @@ macro_rules! value {
         impl $crate::schema::Value for $Type {
             type Allowed = $Allowed;
 
-            fn kind($allowed: $Allowed) -> $crate::schema::Kind {
+            fn kind($allowed: $Allowed) -> $crate::schema::ValueKind {
                 $kind
             }
 

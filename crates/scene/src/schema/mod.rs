@@ -10,10 +10,10 @@ mod macros;
 mod value;
 
 pub use super::range::Range;
-pub use key::{Key, Kind, Ladder, Slider, Word};
+pub use key::{Key, Ladder, Slider, ValueKind, Word};
 pub(crate) use macros::{allowed, keys, settings, value, words};
 pub use value::rounded;
-pub(crate) use value::{Part, Value, Vectors};
+pub(crate) use value::{SettingsField, Value, Vectors};
 
 use std::any::Any;
 

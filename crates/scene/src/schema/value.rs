@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 
-use super::{Key, Kind, Range, value};
+use super::{Key, Range, ValueKind, value};
 use crate::error::Error;
 use crate::setting::Setting;
 use crate::table::Table;
@@ -17,7 +17,7 @@ pub(crate) trait Value: Sized {
     type Allowed;
 
     /// The form of its value in a file.
-    fn kind(allowed: Self::Allowed) -> Kind;
+    fn kind(allowed: Self::Allowed) -> ValueKind;
 
     /// The value of a key; `None` if it is not given.
     fn read(table: &Table<'_>, key: &str, allowed: Self::Allowed) -> Result<Option<Self>, Error>;
@@ -27,7 +27,7 @@ pub(crate) trait Value: Sized {
 }
 
 /// A field of settings: a value with a key of its own, or settings with keys of theirs.
-pub(crate) trait Part {
+pub(crate) trait SettingsField {
     /// Allowed values, as of [`Value`].
     type Allowed;
 
@@ -41,7 +41,7 @@ pub(crate) trait Part {
     fn update(&mut self, table: &Table<'_>, key: &str, allowed: Self::Allowed) -> Result<(), Error>;
 }
 
-impl<T: Value> Part for T {
+impl<T: Value> SettingsField for T {
     type Allowed = T::Allowed;
 
     fn keys(&self, key: Key, allowed: T::Allowed) -> Vec<Key> {
@@ -59,7 +59,7 @@ impl<T: Value> Part for T {
 impl<T: Value> Value for Option<T> {
     type Allowed = T::Allowed;
 
-    fn kind(allowed: T::Allowed) -> Kind {
+    fn kind(allowed: T::Allowed) -> ValueKind {
         T::kind(allowed)
     }
 
@@ -73,19 +73,19 @@ impl<T: Value> Value for Option<T> {
 }
 
 value! {
-    f32, in Range as allowed => Kind::Number(allowed);
+    f32, in Range as allowed => ValueKind::Number(allowed);
     |table, key| table.number32(key, allowed);
     |x| Some(Setting::Number(rounded(*x)));
 }
 
 value! {
-    f64, in Range as allowed => Kind::Number(allowed);
+    f64, in Range as allowed => ValueKind::Number(allowed);
     |table, key| table.number(key, allowed);
     |x| Some(Setting::Number(*x));
 }
 
 value! {
-    u32, in RangeInclusive<u32> as allowed => Kind::Integer(*allowed.start(), *allowed.end());
+    u32, in RangeInclusive<u32> as allowed => ValueKind::Integer(*allowed.start(), *allowed.end());
     |table, key| table.integer(key, *allowed.start(), *allowed.end());
     |i| Some(Setting::Integer(*i));
 }
@@ -97,14 +97,14 @@ value! {
 }
 
 value! {
-    bool => Kind::Flag;
+    bool => ValueKind::Flag;
     |table, key| table.boolean(key);
     |flag| Some(Setting::Flag(*flag));
 }
 
 // Linear R, G, B.
 value! {
-    Vec3 => Kind::Color;
+    Vec3 => ValueKind::Color;
     |table, key| table.color(key);
     |color| Some(Setting::Numbers(color.to_array().map(rounded).to_vec()));
 }
@@ -120,8 +120,8 @@ pub(crate) enum Vectors {
 
 value! {
     DVec3, in Vectors as allowed => match allowed {
-        Vectors::Any => Kind::Vector,
-        Vectors::Directions => Kind::Direction,
+        Vectors::Any => ValueKind::Vector,
+        Vectors::Directions => ValueKind::Direction,
     };
     |table, key| match allowed {
         Vectors::Any => table.vector(key),
@@ -132,21 +132,21 @@ value! {
 
 // Width and height.
 value! {
-    [u32; 2], in RangeInclusive<u32> as allowed => Kind::Size(*allowed.end());
+    [u32; 2], in RangeInclusive<u32> as allowed => ValueKind::Size(*allowed.end());
     |table, key| table.size(key, *allowed.end());
     |size| Some(Setting::from(*size));
 }
 
 // The lower and the upper end of a range.
 value! {
-    [f64; 2] => Kind::Other("`[low, high]`");
+    [f64; 2] => ValueKind::Other("`[low, high]`");
     |table, key| table.range(key);
     |range| Some(Setting::from(*range));
 }
 
 // A file, relative to the folder of the scene file.
 value! {
-    PathBuf => Kind::Text;
+    PathBuf => ValueKind::Text;
     |table, key| table.path_of(key);
     |_| None;
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::error::Error;
-use crate::schema::{Key, Part, Range, Vectors, settings};
+use crate::schema::{Key, Range, SettingsField, Vectors, settings};
 use crate::table::Table;
 use crate::view::{Vertical, View};
 use pellucid_core::cloud::UpAxis;
@@ -42,7 +42,7 @@ impl CameraSettings {
     }
 }
 
-impl Part for View {
+impl SettingsField for View {
     type Allowed = ();
 
     fn keys(&self, _: Key, (): ()) -> Vec<Key> {

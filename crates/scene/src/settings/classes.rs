@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::error::Error;
-use crate::schema::{Key, Kind, Part, Range, keys};
+use crate::schema::{Key, Range, SettingsField, ValueKind, keys};
 use crate::table::Table;
 use crate::tree::{Node, Value};
 use pellucid_core::cloud::CLASSIFICATION_NAMES;
@@ -93,26 +93,26 @@ fn read(table: &Table<'_>) -> Result<ClassSettings, Error> {
     Ok(ClassSettings { points, opacity, color, visible })
 }
 
-impl Part for Vec<ClassSettings> {
+impl SettingsField for Vec<ClassSettings> {
     type Allowed = ();
 
     fn keys(&self, _: Key, (): ()) -> Vec<Key> {
         keys! {
             /// Class of the points that this entry of `[[cloud.class]]` changes. For each key the last matching entry
             /// counts.
-            "class.id": Kind::Other(
+            "class.id": ValueKind::Other(
                 "integer from 0 to 255, or a name as `\"ground\"`, `\"high-vegetation\"`, `\"building\"`, `\"water\"`",
             ), without "by `scalar`";
             /// Name of the scalar that selects the points, with `range`.
-            "class.scalar": Kind::Text, without "by `id`";
+            "class.scalar": ValueKind::Text, without "by `id`";
             /// Range of the scalar, including both ends.
-            "class.range": Kind::Other("`[low, high]`"), without "by `id`";
+            "class.range": ValueKind::Other("`[low, high]`"), without "by `id`";
             /// Opacity of these points, in place of the cloud's.
-            "class.opacity": Kind::Number(Range::UNIT), without "the cloud's";
+            "class.opacity": ValueKind::Number(Range::UNIT), without "the cloud's";
             /// Color of these points, in place of the cloud's.
-            "class.color": Kind::Color, without "the cloud's";
+            "class.color": ValueKind::Color, without "the cloud's";
             /// False hides these points; they still count for radii, percentiles and the camera.
-            "class.visible": Kind::Flag, without "`true`";
+            "class.visible": ValueKind::Flag, without "`true`";
         }
     }
 

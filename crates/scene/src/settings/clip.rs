@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::error::Error;
-use crate::schema::{Key, Kind, Range, keys};
+use crate::schema::{Key, Range, ValueKind, keys};
 use crate::table::Table;
 
 /// An entry of `[[clip]]`. A point is drawn if every entry keeps its center.
@@ -55,16 +55,17 @@ impl Clip {
     pub fn keys() -> Vec<Key> {
         keys! {
             /// Keep the inside of a box along the axes.
-            "box": Kind::Other("`{ min = [x, y, z], max = [x, y, z] }`"), without "one of the four must be given";
+            "box": ValueKind::Other("`{ min = [x, y, z], max = [x, y, z] }`"), without "one of the four must be given";
             /// Keep the side of a plane that its normal points to.
-            "plane": Kind::Other("`{ point = [x, y, z], normal = [x, y, z] }`"), without "one of the four must be given";
+            "plane": ValueKind::Other("`{ point = [x, y, z], normal = [x, y, z] }`"),
+                without "one of the four must be given";
             /// Keep the space from `min` to `max` along an axis; one of them may be left out.
-            "slab": Kind::Other("`{ axis = \"x\", min = …, max = … }`, or `\"y\"`, or `\"z\"`"),
+            "slab": ValueKind::Other("`{ axis = \"x\", min = …, max = … }`, or `\"y\"`, or `\"z\"`"),
                 without "one of the four must be given";
             /// GeoJSON file; keep the inside of its polygons in x and y, without their holes.
-            "polygon": Kind::Text, without "one of the four must be given";
+            "polygon": ValueKind::Text, without "one of the four must be given";
             /// Keep the outside instead.
-            "invert": Kind::Flag, value Some(false.into());
+            "invert": ValueKind::Flag, value Some(false.into());
         }
     }
 

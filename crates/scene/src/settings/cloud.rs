@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Error;
 use crate::photo;
-use crate::schema::{Key, Kind, Part, Range, Slider, Vectors, keys, settings, value, words};
+use crate::schema::{Key, Range, SettingsField, Slider, ValueKind, Vectors, keys, settings, value, words};
 use crate::setting::Setting;
 use crate::settings::{ClassSettings, ColorSettings, Strays};
 use crate::table::Table;
@@ -83,7 +83,7 @@ impl CloudSettings {
 }
 
 value! {
-    ColumnNames => Kind::Text;
+    ColumnNames => ValueKind::Text;
     |table, key| {
         let (Some(text), Some(node)) = (table.string(key)?, table.get(key)) else { return Ok(None) };
         let named = ColumnNames::parse(text).map(Some);
@@ -95,22 +95,22 @@ value! {
 /// The keys of a cloud that only methods with solid and soft points read.
 pub(crate) const FIELD_KEYS: [&str; 3] = ["field", "soft_classes", "axis"];
 
-impl Part for Option<Field> {
+impl SettingsField for Option<Field> {
     type Allowed = ();
 
     fn keys(&self, key: Key, (): ()) -> Vec<Key> {
         let value = self.as_ref().map(|field| Setting::Word(field.name().to_owned()));
-        let kind = Kind::Other(
+        let kind = ValueKind::Other(
             "`\"uncertainty\"`, `\"classification\"`, `\"intensity\"`, `\"distance-to-axis\"`, or the name of a scalar of the file",
         );
         let mut keys = vec![Key { kind, value, without: "that of a prepared file, else uncertainty", ..key }];
         keys.extend(keys! {
             /// Classes whose points are soft (classification).
-            "soft_classes": Kind::Integers(255), without "none; classification needs some";
+            "soft_classes": ValueKind::Integers(255), without "none; classification needs some";
             /// A point of the axis (distance-to-axis).
-            "axis.point": Kind::Vector, unit "world units", without "the middle of the cloud";
+            "axis.point": ValueKind::Vector, unit "world units", without "the middle of the cloud";
             /// The direction of the axis (distance-to-axis).
-            "axis.direction": Kind::Direction, without "the vertical";
+            "axis.direction": ValueKind::Direction, without "the vertical";
         });
         keys
     }
@@ -154,7 +154,7 @@ fn field(table: &Table<'_>, key: &str) -> Result<Option<Field>, Error> {
     }))
 }
 
-impl Part for Option<Photo> {
+impl SettingsField for Option<Photo> {
     type Allowed = ();
 
     fn keys(&self, _: Key, (): ()) -> Vec<Key> {

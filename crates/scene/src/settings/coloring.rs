@@ -1,7 +1,7 @@
 //! The keys of a `[[cloud]]` that decide the colors of its points.
 
 use crate::error::Error;
-use crate::schema::{Kind, Word, settings, value, words};
+use crate::schema::{ValueKind, Word, settings, value, words};
 use crate::setting::Setting;
 use crate::table::Table;
 use pellucid_core::color::colormap::Colormap;
@@ -161,7 +161,7 @@ impl ColorBy {
 }
 
 value! {
-    ColorBy => Kind::WordsOr(ColorBy::WORDS, "the name of a scalar of the file");
+    ColorBy => ValueKind::WordsOr(ColorBy::WORDS, "the name of a scalar of the file");
     |table, key| {
         let Some(given) = table.string(key)? else { return Ok(None) };
         let known = ColorBy::known().find(|(word, _)| *word == given);

@@ -1,6 +1,6 @@
 //! Transparent discs, and the methods that blend them.
 
-use crate::schema::{Kind, Ladder, Range, Slider, settings, value, words};
+use crate::schema::{Ladder, Range, Slider, ValueKind, settings, value, words};
 use crate::setting::Setting;
 
 settings! {
@@ -252,7 +252,7 @@ impl MomentCount {
 }
 
 value! {
-    MomentCount => Kind::OneOf(&[4, 6, 8]);
+    MomentCount => ValueKind::OneOf(&[4, 6, 8]);
     |table, key| {
         let Some(number) = table.integer(key, 4, 8)? else { return Ok(None) };
         let found = MomentCount::ALL.into_iter().find(|count| count.get() == number);

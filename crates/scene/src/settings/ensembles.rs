@@ -1,6 +1,6 @@
 //! Points that are dealt to ensembles.
 
-use crate::schema::{Kind, Ladder, Range, Slider, rounded, settings, value};
+use crate::schema::{Ladder, Range, Slider, ValueKind, rounded, settings, value};
 use crate::setting::Setting;
 use crate::tree;
 
@@ -46,7 +46,7 @@ pub enum Brightness {
 }
 
 value! {
-    Brightness => Kind::WordOr("auto", &Kind::Number(Range::POSITIVE));
+    Brightness => ValueKind::WordOr("auto", &ValueKind::Number(Range::POSITIVE));
     |table, key| match table.get(key).map(|node| &node.value) {
         Some(tree::Value::String(_)) => table.choice(key, &[("auto", Brightness::Auto)]),
         _ => Ok(table.number32(key, Range::POSITIVE)?.map(Brightness::Factor)),

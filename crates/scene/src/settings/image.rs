@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::schema::{Kind, Word, settings, value};
+use crate::schema::{ValueKind, Word, settings, value};
 use crate::setting::Setting;
 use pellucid_core::color::ColorSpace;
 use pellucid_core::image::MAX_SIDE;
@@ -36,7 +36,7 @@ const SPACE_WORDS: [Word; 2] = [
 ];
 
 value! {
-    ColorSpace => Kind::Words(&SPACE_WORDS);
+    ColorSpace => ValueKind::Words(&SPACE_WORDS);
     |table, key| table.choice(key, &SPACES);
     |own| SPACES.iter().find(|(_, space)| space == own).map(|(word, _)| Setting::from(*word));
 }

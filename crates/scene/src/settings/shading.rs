@@ -1,6 +1,6 @@
 //! `[shading]` and its light, and `[shadows]`.
 
-use crate::schema::{Kind, Range, Slider, settings, value, words};
+use crate::schema::{Range, Slider, ValueKind, settings, value, words};
 use crate::setting::Setting;
 use crate::tree;
 use pellucid_core::cloud::shadow_texture::Casting;
@@ -92,7 +92,7 @@ impl ShadingModel {
 }
 
 value! {
-    Light => Kind::Other(
+    Light => ValueKind::Other(
         "`\"headlight\"`, the direction `[x, y, z]` in which the light travels, or `{ position = [x, y, z] }` in world units",
     );
     |table, key| {

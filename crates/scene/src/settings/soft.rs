@@ -1,7 +1,7 @@
 //! Soft spheres, and the one transparent layer: methods that tell soft points from solid ones.
 
 use crate::error::Error;
-use crate::schema::{Key, Kind, Ladder, Part, Range, Slider, keys, rounded, settings, value, words};
+use crate::schema::{Key, Ladder, Range, SettingsField, Slider, ValueKind, keys, rounded, settings, value, words};
 use crate::setting::Setting;
 use crate::table::Table;
 use crate::tree;
@@ -48,7 +48,7 @@ pub enum Density {
     Lambda(f32),
 }
 
-impl Part for Density {
+impl SettingsField for Density {
     type Allowed = ();
 
     fn keys(&self, _: Key, (): ()) -> Vec<Key> {
@@ -59,9 +59,9 @@ impl Part for Density {
         let value = |x: Option<f32>| x.map(|x| Setting::Number(rounded(x)));
         keys! {
             /// Density of soft spheres, as in the equations, in place of softness.
-            "lambda": Kind::Number(Range::NOT_NEGATIVE), value value(lambda), without "softness", rival "softness";
+            "lambda": ValueKind::Number(Range::NOT_NEGATIVE), value value(lambda), without "softness", rival "softness";
             /// Opacity of a ray through the middle of a soft sphere of median radius.
-            "softness": Kind::Number(Range::UNIT), value value(softness), without "lambda", rival "lambda";
+            "softness": ValueKind::Number(Range::UNIT), value value(softness), without "lambda", rival "lambda";
         }
     }
 
@@ -89,7 +89,7 @@ pub enum Shells {
 }
 
 value! {
-    Shells => Kind::WordOr("adaptive", &Kind::Integer(1, MAX_SHELLS));
+    Shells => ValueKind::WordOr("adaptive", &ValueKind::Integer(1, MAX_SHELLS));
     |table, key| match table.get(key).map(|node| &node.value) {
         Some(tree::Value::String(_)) => table.choice(key, &[("adaptive", Shells::Adaptive)]),
         _ => Ok(table.integer(key, 1, MAX_SHELLS)?.map(Shells::Fixed)),

@@ -14,11 +14,11 @@ use pellucid_core::points::Points;
 pub(super) struct Cache {
     /// Bytes that it holds at most.
     most: u64,
-    held: Mutex<Held>,
+    held: Mutex<CachedPoints>,
 }
 
 #[derive(Debug, Default)]
-struct Held {
+struct CachedPoints {
     /// Points by block, with the time of their last use.
     points: HashMap<u32, (Arc<Points>, u64)>,
     /// Blocks by when they were last used.
@@ -52,7 +52,7 @@ impl Cache {
     /// Gives the memory of all points back.
     pub fn clear(&self) {
         let mut held = self.lock();
-        *held = Held { read: held.read, ..Held::default() };
+        *held = CachedPoints { read: held.read, ..CachedPoints::default() };
     }
 
     /// Returns the points of a block. `read` reads them, with how many bytes of the store that took.
@@ -72,12 +72,12 @@ impl Cache {
         Ok(points)
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, Held> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, CachedPoints> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Held {
+impl CachedPoints {
     fn find(&mut self, block: u32) -> Option<Arc<Points>> {
         self.now += 1;
         let (points, last) = self.points.get_mut(&block)?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::assemble::{self, Known, Source, radius, transformed};
+use super::super::assemble::{self, CloudScope, Known, radius, transformed};
 use super::super::clip::Clips;
 use super::super::coloring::Coloring;
 use super::super::error::Error;
@@ -21,7 +21,7 @@ use pellucid_io as io;
 use pellucid_io::store::{Node, Piece, Store, StoreSurvey, Summary};
 
 /// Place of a cloud in its scene.
-pub(super) struct Place<'a> {
+pub(super) struct CloudPlace<'a> {
     pub scene: &'a Scene,
     pub clips: &'a Clips,
     pub index: usize,
@@ -57,7 +57,7 @@ impl StoredCloud {
     /// Returns the cloud at a place in the scene, in a store; and some of its points, which stand for all. What its
     /// colors mean goes to the legend.
     pub fn new(
-        &Place { scene, clips, index, first }: &Place<'_>,
+        &CloudPlace { scene, clips, index, first }: &CloudPlace<'_>,
         opened: &OpenStore,
         legend: &mut Legend,
         progress: &Progress,
@@ -186,7 +186,7 @@ impl StoredCloud {
     fn transformed(&self, scene: &Scene, clips: &Clips, cloud: Cloud, places: &[u64]) -> Result<Points, Error> {
         // Places are those of points before any is left out.
         let file_order = places.iter().map(|place| (self.first + place) as u32).collect();
-        transformed(scene, clips, self.index, cloud, Source::Part(&self.known, file_order))
+        transformed(scene, clips, self.index, cloud, CloudScope::Part(&self.known, file_order))
     }
 }
 

@@ -144,7 +144,7 @@ impl Stored {
         let (mut clouds, mut anchors) = (Vec::with_capacity(stores.len()), Vec::new());
         let (mut sample, mut first, mut legend) = (Points::default(), 0, Legend::default());
         for (index, store) in stores.iter().enumerate() {
-            let at = cloud::Place { scene: &scene, clips: &clips, index, first };
+            let at = cloud::CloudPlace { scene: &scene, clips: &clips, index, first };
             let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;
             first += cloud.facts.points;
             anchors.push(Anchor::new(&own.sampled().copied().collect::<Vec<_>>(), cloud.bounds()));
@@ -216,9 +216,9 @@ impl Stored {
         let sources = own.filter_map(|(place, (cloud, anchor))| {
             let blocks = cloud.store.nodes().iter().map(|node| node.points).collect();
             let (path, read) = (cloud.store.summary().path.clone(), nodes.reader(place));
-            Some(dealt_file::Source { path, blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
+            Some(dealt_file::CloudBlocks { path, blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
         });
-        let settings = dealt_file::Settings {
+        let settings = dealt_file::DealSettings {
             has_normals: nodes.clouds.iter().any(StoredCloud::has_normals),
             seed,
             memory: nodes.cache.most(),

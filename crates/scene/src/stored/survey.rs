@@ -25,12 +25,12 @@ const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 #[derive(Debug, Clone)]
 pub struct OpenStore {
     store: Arc<dyn Store>,
-    found: Arc<Mutex<Option<Found>>>,
+    found: Arc<Mutex<Option<KnownSurvey>>>,
 }
 
 /// A survey, and the settings that it depends on: scale, translation and field.
 #[derive(Debug, Clone)]
-struct Found {
+struct KnownSurvey {
     by: (f64, DVec3, Option<Field>),
     survey: StoreSurvey,
     range: [f64; 2],
@@ -69,7 +69,7 @@ impl OpenStore {
             return Ok((found.survey.clone(), found.range));
         }
         let (survey, range) = survey(&*self.store, settings, field, progress)?;
-        *known = Some(Found { by, survey: survey.clone(), range });
+        *known = Some(KnownSurvey { by, survey: survey.clone(), range });
         Ok((survey, range))
     }
 }

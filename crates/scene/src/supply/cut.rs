@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::tree::Tree;
+use super::tree::BlockTree;
 use super::{Block, Failure, Keep, Scale, Supply, grown};
 use pellucid_core::cloud::sampling;
 use pellucid_core::points::Points;
@@ -24,7 +24,7 @@ pub struct Limits {
 
 /// The picture that a cut is for.
 #[derive(Clone, Copy)]
-pub struct Picture<'a> {
+pub struct CutPicture<'a> {
     /// Scale of the view's pixels.
     pub scale: Scale,
     /// The blocks of which something may be in it.
@@ -43,7 +43,7 @@ pub struct Picture<'a> {
 /// windows.
 pub struct Cut {
     whole: Arc<dyn Supply>,
-    tree: Tree,
+    tree: BlockTree,
     /// True for each block of the whole that is retained.
     kept: Vec<bool>,
     /// The kept blocks, with their numbers in the whole.
@@ -102,7 +102,7 @@ impl Cut {
         whole: Arc<dyn Supply>,
         spacing: f64,
         limits: &Limits,
-        picture: &Picture<'_>,
+        picture: &CutPicture<'_>,
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let random = Random { scale: picture.scale, spacing, seed: picture.seed };
@@ -128,7 +128,7 @@ impl Cut {
             // An out-of-core stream has a block, if one without points.
             *first = true;
         }
-        let tree = Tree::new(all);
+        let tree = BlockTree::new(all);
         let is_random = levels.iter().any(Option::is_none);
         let numbers: Vec<u32> = (0..all.len() as u32).filter(|number| kept[*number as usize]).collect();
         let cut = |number: &u32| {
@@ -240,7 +240,7 @@ fn counts(
     whole: &dyn Supply,
     levels: &[Option<f64>],
     random: &Random,
-    picture: &Picture<'_>,
+    picture: &CutPicture<'_>,
     progress: &Progress,
 ) -> Result<Vec<u64>, Failure> {
     let mut counts = vec![0; bin(f64::INFINITY) + 1];

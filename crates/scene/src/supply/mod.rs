@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use cut::{Cut, Limits, Picture};
+pub use cut::{Cut, CutPicture, Limits};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::points::{Points, Unseen};
 use pellucid_core::progress::{Cancelled, Progress};
@@ -161,20 +161,20 @@ const BLOCK: usize = 1 << 12;
 
 /// Points in memory, in canonical order, in which those near in space are near in the list.
 #[derive(Clone)]
-pub struct Held {
+pub struct HeldPoints {
     points: Arc<Points>,
     blocks: Vec<Block>,
     /// First point of each block, with their number as the last entry.
     starts: Vec<usize>,
 }
 
-impl Debug for Held {
+impl Debug for HeldPoints {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} points in {} blocks", self.points.len(), self.blocks.len())
     }
 }
 
-impl Held {
+impl HeldPoints {
     /// Returns points in canonical order.
     pub fn new(points: Arc<Points>) -> Self {
         let starts = starts(&points);
@@ -206,7 +206,7 @@ pub fn starts(points: &Points) -> Vec<usize> {
     found
 }
 
-impl Supply for Held {
+impl Supply for HeldPoints {
     fn blocks(&self) -> &[Block] {
         &self.blocks
     }
@@ -250,7 +250,7 @@ mod tests {
         let mut positions: Vec<DVec3> = (0..3 * BLOCK).map(|i| DVec3::splat(i as f64)).collect();
         // A run across the first border.
         positions[BLOCK - 2..BLOCK + 5].fill(DVec3::splat(BLOCK as f64 - 2.0));
-        let held = Held::new(Arc::new(points(positions)));
+        let held = HeldPoints::new(Arc::new(points(positions)));
         assert_eq!(held.starts, [0, BLOCK + 5, 2 * BLOCK + 5, 3 * BLOCK]);
         let [first, second, _] = held.blocks() else { panic!("{held:?}") };
         assert_eq!((first.points, first.radius), (BLOCK as u64 + 5, BLOCK as f32 + 4.0));

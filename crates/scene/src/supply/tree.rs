@@ -8,7 +8,7 @@ use pellucid_core::cloud::Bounds;
 
 /// The trees of some blocks.
 #[derive(Debug)]
-pub(super) struct Tree {
+pub(super) struct BlockTree {
     /// Children of each block.
     children: Lists,
     roots: Vec<u32>,
@@ -16,7 +16,7 @@ pub(super) struct Tree {
     root_of: Vec<u32>,
 }
 
-impl Tree {
+impl BlockTree {
     /// Builds the tree of blocks whose parents come before them.
     pub fn new(blocks: &[Block]) -> Self {
         let parent = |block: &Block| block.branch.and_then(|branch| branch.parent);
@@ -99,7 +99,7 @@ mod tests {
             block([4.6, 6.0], Some(2), 0.25, 3.0),
             block([6.0, 8.0], Some(2), 0.25, 5.0),
         ];
-        let tree = Tree::new(&blocks);
+        let tree = BlockTree::new(&blocks);
         let growth = |kept: [bool; 5], x: f64| tree.growth(&blocks, &kept, 0, DVec3::new(x, 0.0, 0.0));
         let all = [true; 5];
         assert_eq!([1.0, 4.5, 5.0, 7.0].map(|x| growth(all, x)), [1.0; 4]);

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
 use pellucid_reference as reference;
-use pellucid_scene::prepare::surface::{self, Surface};
+use pellucid_scene::prepare::surface::{self, SurfaceEstimates};
 use pellucid_scene::prepare::{order, radius};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -215,11 +215,11 @@ fn no_points_one_point_and_equal_points() {
     }
 }
 
-fn surface(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize) -> Surface {
+fn surface(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize) -> SurfaceEstimates {
     capped_surface(positions, normals, (neighbors, 0.0))
 }
 
-fn capped_surface(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32)) -> Surface {
+fn capped_surface(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32)) -> SurfaceEstimates {
     surface::estimate(positions, normals, around, &Progress::hidden())
 }
 
@@ -365,7 +365,7 @@ fn fields_of_few_and_equal_points() {
     assert_eq!(surface(&[p], None, 24).fields, [0.0]);
     assert_eq!(
         surface(&[p, p + DVec3::X], None, 24),
-        Surface {
+        SurfaceEstimates {
             radii: vec![2.0; 2],
             uncapped: vec![2.0; 2],
             normals: vec![Vec3::ZERO; 2],

@@ -2,7 +2,7 @@
 
 use super::{Formation, Ladders, Occasion, Setting, Skipped, ladder};
 use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
-use pellucid_scene::{self as scene, Density, Family, Key, Kind, Ladder, Method, ScreenSplats, Soft, SoftLayout};
+use pellucid_scene::{self as scene, Density, Family, Key, Ladder, Method, ScreenSplats, Soft, SoftLayout, ValueKind};
 
 /// Points from which levels of detail are compared: fewer are drawn in no time.
 const LEAST_FOR_LEVELS: u64 = 1 << 18;
@@ -153,7 +153,7 @@ fn on_top(occasion: &Occasion, method: Method, key: &Key, ladder: &Ladder, rest:
             let effort = ladder.ends_at_longest_list.then(|| occasion.max_list.into());
             Some(Setting { effort, ..Setting::single(method, rest) })
         }
-        (None, Kind::WordOr(word, _)) => {
+        (None, ValueKind::WordOr(word, _)) => {
             let text = format!("method.{}={word} {rest}", key.name);
             Some(Setting::single(method, text.trim_end()))
         }

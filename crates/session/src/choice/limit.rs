@@ -3,7 +3,7 @@
 use pellucid_core::image::Image;
 use pellucid_engine::methods::Frame;
 use pellucid_reference::shading::shade;
-use pellucid_reference::{Picture, spbr};
+use pellucid_reference::{ReferencePicture, spbr};
 use pellucid_scene::Method;
 use pellucid_scene::prepare::Arranged;
 
@@ -15,7 +15,7 @@ pub fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
 }
 
 /// Returns a picture of the reference as an image, rounded to float32.
-pub fn image_of(picture: &Picture) -> Image {
+pub fn image_of(picture: &ReferencePicture) -> Image {
     Image {
         width: picture.width,
         height: picture.height,

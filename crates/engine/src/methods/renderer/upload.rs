@@ -9,7 +9,7 @@ use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::prepare::{Arranged, Supplied};
 use crate::scene::Detail;
-use crate::supply::Held;
+use crate::supply::HeldPoints;
 
 /// Points to bring to a device.
 #[derive(Clone, Copy)]
@@ -70,7 +70,7 @@ impl Renderer {
             }
             PointSource::Arranged(arranged) => match arranged {
                 Arranged::Canonical(points) if by_windows || points.len() as u64 > Cut::most(device) => {
-                    DeviceCloud::of_supply(device, points, Arc::new(Held::new(points.clone())))?
+                    DeviceCloud::of_supply(device, points, Arc::new(HeldPoints::new(points.clone())))?
                 }
                 Arranged::Canonical(points) => {
                     let mut cloud = DeviceCloud::new(device, points)?;

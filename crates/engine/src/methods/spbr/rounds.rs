@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-use crate::prepare::ensembles::{Deal, Rows};
+use crate::prepare::ensembles::{Deal, PassRows};
 
 /// A first element that any device's offset alignment allows to bind from.
 pub const ALIGNED: u64 = 64;
@@ -25,7 +25,7 @@ pub struct Piece {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Again {
     /// The rows.
-    pub rows: Rows,
+    pub rows: PassRows,
     /// The pass's first ensemble.
     pub ensemble: u32,
     /// First point of the first row, counted from the piece's base.
@@ -75,7 +75,7 @@ impl Cutting<'_> {
     }
 
     /// Slots of later ensembles: of all at once if their points fit a binding, else of each as many rows as fit.
-    fn add_rows(&mut self, rows: &Rows, ensemble: u32, slots: Range<u64>, round: Range<u32>) {
+    fn add_rows(&mut self, rows: &PassRows, ensemble: u32, slots: Range<u64>, round: Range<u32>) {
         let all = rows.first..rows.first + rows.len();
         let again = |start, around| Again { rows: *rows, ensemble, start, around };
         if all.end <= rows.points && rows.len() + ALIGNED <= self.longest {
@@ -90,7 +90,7 @@ impl Cutting<'_> {
     }
 
     /// Adds slots of one ensemble, `hand` of its pass, by rows; no row has both the cloud's last and first point.
-    fn add_by_rows(&mut self, rows: &Rows, hand: u32, slots: Range<u64>, again: Again) {
+    fn add_by_rows(&mut self, rows: &PassRows, hand: u32, slots: Range<u64>, again: Again) {
         let row = u64::from(rows.columns) << rows.block_bits;
         let fit = ((self.longest - ALIGNED) / row).max(1);
         // The row in which the cloud wraps around.
@@ -199,7 +199,7 @@ mod tests {
                     None => piece.base.wrapping_add((n - piece.slots.start) as u32),
                     Some(Again { rows, ensemble: from, start, around }) => {
                         let n = first + n - deal.slots(ensemble).start;
-                        let straight = Rows { first: 0, points: u64::MAX, ..rows };
+                        let straight = PassRows { first: 0, points: u64::MAX, ..rows };
                         let along = start + straight.point(ensemble - from, n) as u32;
                         piece.base.wrapping_add(along - if along < around { 0 } else { around })
                     }

@@ -108,7 +108,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::prepare::ensembles::Surface;
+    use crate::prepare::ensembles::CloudSurface;
     use crate::scene::Spbr;
 
     /// A cloud of 1000 points in a cube of side 2, 10 on each unit of area, before a camera at `z`.
@@ -116,7 +116,7 @@ mod tests {
         let corners = std::array::from_fn(|i| {
             DVec3::from_array([0, 1, 2].map(|axis| f64::from(i as u32 >> axis & 1) * 2.0 - 1.0))
         });
-        let surface = Surface { points: 0..1000, center: DVec3::ZERO, density: 10.0, opacity };
+        let surface = CloudSurface { points: 0..1000, center: DVec3::ZERO, density: 10.0, opacity };
         let projection = Projection::Perspective { fov_y: 1.0 };
         let camera = Camera::look_at(DVec3::Z * z, DVec3::Z * (z - 1.0), DVec3::Y, projection, 0.1, 100.0);
         let camera = &camera.expect("a valid camera");

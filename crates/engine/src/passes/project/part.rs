@@ -170,7 +170,7 @@ mod tests {
                 fields: (0..count).map(|i| spread(i, 16_807) / 65_537.0).collect(),
                 ..Points::default()
             };
-            let held = supply::Held::new(std::sync::Arc::new(points.clone()));
+            let held = supply::HeldPoints::new(std::sync::Arc::new(points.clone()));
             for threshold in [0.0, 0.3, 0.9, 1.0] {
                 let found = Parts::of_supply(&held, threshold, &Progress::hidden()).unwrap();
                 assert_eq!(found, Parts::count(&points, threshold), "{count} {threshold}");

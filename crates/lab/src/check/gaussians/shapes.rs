@@ -10,7 +10,7 @@ use super::alone::{Expected, Known, Shares, alone, compared};
 use super::splats::{Splat, View, cloud, part, turned};
 use super::{CaseResult, before};
 use pellucid_core::camera::{Camera, Projection};
-use pellucid_reference::gaussians::{Placed, ewa, gaussian};
+use pellucid_reference::gaussians::{PlacedGaussian, ewa, gaussian};
 use pellucid_reference::range::Range;
 use pellucid_scene::{GaussianSettings, Kernel, Method};
 
@@ -64,7 +64,7 @@ pub(super) fn needles(stage: &mut Stage, method: Method) -> CaseResult {
 /// pixel and eight of its products. What 8 u of the length L adds across the needle, its variance gains.
 fn along_an_axis(view: &View, splat: &Splat, method: &Method) -> Option<Expected> {
     let gaussian = gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
-    let placed = Placed::new(&view.camera, view.size, &gaussian)?;
+    let placed = PlacedGaussian::new(&view.camera, view.size, &gaussian)?;
     let screen = ewa::Projected::new(&placed, &view.settings);
     let long = screen.columns[0];
     let thin = screen.columns[1].length().hypot(screen.columns[2].length());

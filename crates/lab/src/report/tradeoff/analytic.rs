@@ -14,7 +14,7 @@ use pellucid_reference::shading::shade;
 use pellucid_reference::spbr::points_per_pixel;
 use pellucid_scene::ColorSpace;
 use pellucid_scene::prepare::Arranged;
-use pellucid_scene::prepare::ensembles::{Dealt, Surface};
+use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
 
 /// Cells of the image, along each side, in which points are counted.
 const CELLS: usize = 8;
@@ -111,7 +111,7 @@ pub(super) fn rmse(color: [f64; 3], image: &LinearImage) -> f64 {
     metrics::rmse(&vec![color; image.pixels.len()], &image.pixels)
 }
 
-fn plane(dealt: &Dealt, surface: &Surface, colors: &[DVec3], frame: &Frame) -> Option<Plane> {
+fn plane(dealt: &Dealt, surface: &CloudSurface, colors: &[DVec3], frame: &Frame) -> Option<Plane> {
     let range = surface.points.start as usize..surface.points.end as usize;
     let (positions, colors) = (dealt.points.positions.get(range.clone())?, colors.get(range.clone())?);
     let is_even = dealt.points.opacities.get(range)?.iter().all(|opacity| *opacity == surface.opacity);

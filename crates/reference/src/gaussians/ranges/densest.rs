@@ -7,7 +7,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::super::Placed;
+use super::super::PlacedGaussian;
 use super::factor::{AXIS, Factor, Met};
 use super::{Bounded, is_orthographic};
 use crate::range::{DEPTH_ERROR, ROUNDING, Range};
@@ -28,12 +28,12 @@ impl Possible {
 }
 
 /// The slope of the ray through the center.
-fn slope(placed: &Placed) -> DVec2 {
+fn slope(placed: &PlacedGaussian) -> DVec2 {
     if is_orthographic(placed.camera) { DVec2::ZERO } else { placed.center.truncate() / placed.center.z }
 }
 
 /// Returns the columns of P for these axes in camera coordinates, in pixels to the right and down.
-pub(super) fn columns(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
+pub(super) fn columns(placed: &PlacedGaussian, axes: DMat3) -> [DVec2; 3] {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
     let slope = slope(placed);
     [0, 1, 2].map(|k| {
@@ -43,7 +43,7 @@ pub(super) fn columns(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
 }
 
 /// Errors of these columns.
-pub(super) fn errors(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
+pub(super) fn errors(placed: &PlacedGaussian, axes: DMat3) -> [DVec2; 3] {
     super::errors(placed, axes, slope(placed))
 }
 

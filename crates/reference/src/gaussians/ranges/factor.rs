@@ -26,14 +26,14 @@ const SQUARE: f64 = 16.0;
 
 /// Two rows of numbers with their errors.
 #[derive(Clone)]
-pub(super) struct Rows {
+pub(super) struct MatrixRows {
     columns: [DVec2; 5],
     errors: [DVec2; 5],
     /// Lengths of the rows.
     sides: DVec2,
 }
 
-impl Rows {
+impl MatrixRows {
     /// Factorizes the matrix of three columns and a dilation.
     pub fn new([a, b, c]: [DVec2; 3], [e, f, g]: [DVec2; 3], dilation: f64) -> Self {
         let columns = [a, b, c, dilation.sqrt() * DVec2::X, dilation.sqrt() * DVec2::Y];
@@ -63,7 +63,7 @@ fn crossed(p: DVec2, q: DVec2) -> f64 {
 
 /// M and its errors.
 pub(super) struct Factor {
-    rows: Rows,
+    rows: MatrixRows,
     m: DMat2,
     /// ‖M E Mᵀ‖: the relative error of |y|² where it is largest.
     pub epsilon: f64,
@@ -83,7 +83,7 @@ pub(super) struct Met {
 
 impl Factor {
     /// `None` where roundings leave nothing of M.
-    pub fn new(rows: Rows) -> Option<Self> {
+    pub fn new(rows: MatrixRows) -> Option<Self> {
         let across: f64 = rows.columns.iter().map(|p| p.x * p.y).sum();
         // L = [l₁₁ 0; l₂₁ l₂₂], inverted.
         let (l11, l21) = (rows.sides.x, across / rows.sides.x);

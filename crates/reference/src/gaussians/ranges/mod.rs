@@ -9,9 +9,9 @@ mod factor;
 
 use glam::{DMat3, DVec2};
 
-use self::factor::{Factor, Rows};
+use self::factor::{Factor, MatrixRows};
 use super::ewa::{Projected, thickened};
-use super::{Gaussian, Placed, is_orthographic, largest_rho2, ray};
+use super::{Gaussian, PlacedGaussian, is_orthographic, largest_rho2, ray};
 use crate::range::{ROUNDING, Range, screen_error};
 use pellucid_core::camera::Camera;
 use pellucid_scene::{GaussianSettings, Kernel, Order};
@@ -54,7 +54,7 @@ pub fn possible_chords(
     gaussian: &Gaussian,
     settings: &GaussianSettings,
 ) -> Vec<PossibleChord> {
-    let Some(placed) = Placed::new(camera, size, gaussian) else { return Vec::new() };
+    let Some(placed) = PlacedGaussian::new(camera, size, gaussian) else { return Vec::new() };
     let found = Bounded::new(&placed, settings, Order::Pixel);
     // Errors of a large share of the whole may put it anywhere.
     let fine = found.depth_factor.as_ref().is_some_and(|factor| factor.epsilon < 0.01);
@@ -84,7 +84,7 @@ pub fn possible(
     order: Order,
     rows: std::ops::Range<u32>,
 ) -> Vec<Possible> {
-    let Some(placed) = Placed::new(camera, size, gaussian) else { return Vec::new() };
+    let Some(placed) = PlacedGaussian::new(camera, size, gaussian) else { return Vec::new() };
     let found = Bounded::new(&placed, settings, order);
     let Some(window) = found.window() else { return Vec::new() };
     let inside = placed.window(window).filter(|[_, y]| rows.contains(y));
@@ -93,7 +93,7 @@ pub fn possible(
 
 /// A Gaussian with the errors of its numbers.
 struct Bounded<'a> {
-    placed: &'a Placed<'a>,
+    placed: &'a PlacedGaussian<'a>,
     settings: &'a GaussianSettings,
     order: Order,
     projected: Projected,
@@ -106,13 +106,13 @@ struct Bounded<'a> {
 }
 
 impl<'a> Bounded<'a> {
-    fn new(placed: &'a Placed<'a>, settings: &'a GaussianSettings, order: Order) -> Self {
+    fn new(placed: &'a PlacedGaussian<'a>, settings: &'a GaussianSettings, order: Order) -> Self {
         let projected = Projected::new(placed, settings);
         let depth_axes = if settings.kernel == Kernel::Ewa { thickened(placed.axes) } else { placed.axes };
         let columns = densest::columns(placed, depth_axes);
-        let depth_factor = Factor::new(Rows::new(columns, densest::errors(placed, depth_axes), 0.0));
+        let depth_factor = Factor::new(MatrixRows::new(columns, densest::errors(placed, depth_axes), 0.0));
         let errors = errors(placed, placed.axes, projected.slope);
-        let rows = |dilation: f64| Rows::new(projected.columns, errors, dilation);
+        let rows = |dilation: f64| MatrixRows::new(projected.columns, errors, dilation);
         let (factor, opacity) = match settings.kernel {
             Kernel::Ewa if settings.antialias && projected.dilation > 0.0 => {
                 let factor = dilation_factor(&rows(0.0), &rows(projected.dilation));
@@ -198,15 +198,15 @@ impl<'a> Bounded<'a> {
 }
 
 /// Errors of the columns of J M, where J goes along this slope.
-fn errors(placed: &Placed, axes: DMat3, slope: DVec2) -> [DVec2; 3] {
+fn errors(placed: &PlacedGaussian, axes: DMat3, slope: DVec2) -> [DVec2; 3] {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
     let most = factor::AXIS * ROUNDING * scale * (DVec2::ONE + slope.abs());
     [0, 1, 2].map(|k| axes.col(k).length() * most)
 }
 
 /// The factor of the opacity for the dilation: the root of the ratio of two determinants.
-fn dilation_factor(bare: &Rows, dilated: &Rows) -> Range {
-    let [(below, below_error), (above, above_error)] = [dilated, bare].map(Rows::determinant);
+fn dilation_factor(bare: &MatrixRows, dilated: &MatrixRows) -> Range {
+    let [(below, below_error), (above, above_error)] = [dilated, bare].map(MatrixRows::determinant);
     let factor = super::ewa::dilation_factor;
     let high = if below > below_error { factor((above + above_error) / (below - below_error)) } else { 1.0 };
     Range { low: factor((above - above_error).max(0.0) / (below + below_error)), high }

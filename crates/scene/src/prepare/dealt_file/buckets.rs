@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::pile::{Extent, Pile, words_of};
-use super::records::Layout;
+use super::pile::{FileExtent, Pile, words_of};
+use super::records::RecordLayout;
 use pellucid_io::Error;
 
 /// Most buckets.
@@ -37,17 +37,17 @@ impl Words {
 
 /// Number of buckets, and the bytes that they may take.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plan {
+pub(super) struct BucketPlan {
     words: Words,
     pub buckets: u64,
     /// Numbers of 32 bits that are added to a bucket before they are written.
     numbers_at_once: usize,
-    layout: Layout,
+    layout: RecordLayout,
 }
 
-impl Plan {
+impl BucketPlan {
     /// Divides the range of words for about so many points of some words, within so much memory.
-    pub fn new(points: u64, words: Words, layout: Layout, memory: u64) -> Self {
+    pub fn new(points: u64, words: Words, layout: RecordLayout, memory: u64) -> Self {
         let fit = (memory / 2 / POINT_BYTES).max(LEAST_POINTS);
         // A hundredth more is a matter of chance.
         let buckets = (points + points / 64).div_ceil(fit).clamp(1, MOST);
@@ -79,20 +79,20 @@ impl Plan {
 
 /// The buckets of a cloud.
 pub(super) struct Buckets<'a> {
-    plan: Plan,
+    plan: BucketPlan,
     pile: &'a Pile,
     /// Flushed extents and pending words of each bucket.
-    all: Vec<(Vec<Extent>, Vec<u32>)>,
+    all: Vec<(Vec<FileExtent>, Vec<u32>)>,
 }
 
 impl<'a> Buckets<'a> {
     /// Empty ones.
-    pub fn new(plan: Plan, pile: &'a Pile) -> Self {
+    pub fn new(plan: BucketPlan, pile: &'a Pile) -> Self {
         Self { plan, pile, all: vec![(Vec::new(), Vec::new()); plan.buckets as usize] }
     }
 
     /// Returns the layout of the buckets.
-    pub fn plan(&self) -> Plan {
+    pub fn plan(&self) -> BucketPlan {
         self.plan
     }
 
@@ -117,9 +117,9 @@ impl<'a> Buckets<'a> {
     }
 
     /// Returns where the points of each bucket are, all written.
-    pub fn finish(self) -> Result<Vec<Vec<Extent>>, Error> {
+    pub fn finish(self) -> Result<Vec<Vec<FileExtent>>, Error> {
         let pile = self.pile;
-        let written = |(mut written, waiting): (Vec<Extent>, Vec<u32>)| {
+        let written = |(mut written, waiting): (Vec<FileExtent>, Vec<u32>)| {
             if !waiting.is_empty() {
                 written.push(pile.add(&waiting)?);
             }
@@ -130,7 +130,7 @@ impl<'a> Buckets<'a> {
 }
 
 /// Returns the number of points of some extents.
-pub(super) fn points_of(layout: Layout, extents: &[Extent]) -> u64 {
+pub(super) fn points_of(layout: RecordLayout, extents: &[FileExtent]) -> u64 {
     words_of(extents) / layout.words() as u64
 }
 
@@ -140,21 +140,21 @@ mod tests {
 
     #[test]
     fn buckets_follow_the_words() {
-        let layout = Layout { has_normals: false };
-        let plan = Plan::new(1_000_000, Words::ALL, layout, 64 << 20);
+        let layout = RecordLayout { has_normals: false };
+        let plan = BucketPlan::new(1_000_000, Words::ALL, layout, 64 << 20);
         // 32 MiB hold 131,072 points.
         assert_eq!(plan.buckets, 8);
         assert_eq!([0, 1 << 61, (1 << 61) - 1, u64::MAX].map(|word| plan.bucket(word)), [0, 1, 0, 7]);
         assert!([0, u64::MAX].into_iter().all(|word| plan.has(word)));
-        assert_eq!(Plan::new(3, Words::ALL, layout, 0).buckets, 1);
+        assert_eq!(BucketPlan::new(3, Words::ALL, layout, 0).buckets, 1);
     }
 
     #[test]
     fn buckets_of_some_words_hold_no_others() {
-        let layout = Layout { has_normals: false };
+        let layout = RecordLayout { has_normals: false };
         let words = Words { start: 1 << 60, end: 1 << 62 };
         assert_eq!(words.of(1600), 300);
-        let plan = Plan::new(words.of(4_000_000), words, layout, 64 << 20);
+        let plan = BucketPlan::new(words.of(4_000_000), words, layout, 64 << 20);
         assert_eq!(plan.buckets, 6);
         let [first, last] = [1 << 60, (1 << 62) - 1];
         assert_eq!([first, last].map(|word| plan.bucket(word)), [0, 5]);
@@ -164,8 +164,8 @@ mod tests {
     #[test]
     fn more_points_than_memory_holds_are_refused() {
         let path = Path::new("scan.laz");
-        assert!(Plan::check(262_144, 64 << 20, path).is_ok());
-        let error = Plan::check(262_145, 64 << 20, path).unwrap_err().to_string();
+        assert!(BucketPlan::check(262_144, 64 << 20, path).is_ok());
+        let error = BucketPlan::check(262_145, 64 << 20, path).unwrap_err().to_string();
         assert!(error.starts_with("scan.laz: 262145 points") && error.contains("--host-memory"), "{error}");
     }
 }

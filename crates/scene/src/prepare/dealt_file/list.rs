@@ -6,11 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-use super::buckets::{Buckets, Plan, Words, points_of};
-use super::pile::{Extent, Pile};
+use super::buckets::{BucketPlan, Buckets, Words, points_of};
+use super::pile::{FileExtent, Pile};
 use super::places::{self, Places};
-use super::records::Layout;
-use super::{Seen, Settings, Source};
+use super::records::RecordLayout;
+use super::{CloudBlocks, DealSettings, PointSummary};
 use crate::batches::batches;
 use crate::prepare::ensembles::Shuffle;
 use crate::prepare::morton::Cells;
@@ -29,13 +29,13 @@ const LEAST_POINT_BYTES: u64 = 256;
 /// The list of a cloud.
 #[derive(Debug)]
 pub(super) struct List {
-    source: Source,
-    layout: Layout,
+    source: CloudBlocks,
+    layout: RecordLayout,
     memory: u64,
     shuffle: Shuffle,
     cells: Cells,
     /// Box, opacities and brightest color of all points.
-    pub seen: Seen,
+    pub seen: PointSummary,
     /// Number of points.
     pub len: u64,
     /// Places that seem to have several points, with more places.
@@ -49,17 +49,22 @@ struct Head {
     /// The end of its words.
     end: u128,
     /// Pieces of the list, each with its first point.
-    pieces: Vec<(u64, Extent)>,
+    pieces: Vec<(u64, FileExtent)>,
     /// Number of points.
     len: u64,
     /// Points in shared places, also those that don't belong to the head, with their ids.
-    sharing: Option<Vec<Vec<Extent>>>,
+    sharing: Option<Vec<Vec<FileExtent>>>,
 }
 
 impl List {
     /// Returns the list of the cloud at a place among the others, none of which is in order yet. `None` without points
     /// that are drawn.
-    pub fn new(source: Source, place: u32, settings: &Settings, progress: &Progress) -> Result<Option<Self>, Error> {
+    pub fn new(
+        source: CloudBlocks,
+        place: u32,
+        settings: &DealSettings,
+        progress: &Progress,
+    ) -> Result<Option<Self>, Error> {
         let all = source.blocks.iter().sum();
         let [once, shared] = [(); 2].map(|()| Places::new(all, settings.memory / PLACES_PART));
         let look = |block: usize| -> Result<_, Error> {
@@ -71,18 +76,18 @@ impl List {
                 }
             }
             progress.inc(source.blocks[block]);
-            Ok((Seen::of(&points), points.len() as u64))
+            Ok((PointSummary::of(&points), points.len() as u64))
         };
         let (mut seen, mut len) = (None, 0);
         for batch in batches(source.blocks.iter().copied(), settings.memory / 4 / READ_BYTES, usize::MAX) {
             check(&source, progress)?;
             for (own, points) in batch.into_par_iter().map(look).collect::<Result<Vec<_>, Error>>()? {
-                seen = [seen, own].into_iter().flatten().reduce(Seen::and);
+                seen = [seen, own].into_iter().flatten().reduce(PointSummary::and);
                 len += points;
             }
         }
         Ok(seen.map(|seen| Self {
-            layout: Layout { has_normals: settings.has_normals },
+            layout: RecordLayout { has_normals: settings.has_normals },
             memory: settings.memory,
             shuffle: Shuffle::new(place, settings.seed),
             cells: Cells::of(&source.bounds),
@@ -124,7 +129,7 @@ impl List {
         while let Some((first, extent)) = head.pieces.get(at).filter(|_| next < range.end) {
             let end = range.end.min(first + extent.words / size);
             let start = extent.start + (next - first) * size;
-            pile.read(Extent { start, words: (end - next) * size }, into)?;
+            pile.read(FileExtent { start, words: (end - next) * size }, into)?;
             (next, at) = (end, at + 1);
         }
         Ok(())
@@ -132,12 +137,12 @@ impl List {
 
     /// Puts the points of the next words behind the head.
     fn extend(&self, head: &mut Head, words: Words, pile: &Pile, progress: &Progress) -> Result<(), Error> {
-        let plan = Plan::new(words.of(self.len), words, self.layout, self.memory);
+        let plan = BucketPlan::new(words.of(self.len), words, self.layout, self.memory);
         let mut buckets = Buckets::new(plan, pile);
         let sharing = match head.sharing.take() {
             Some(sharing) => self.scatter(&mut buckets, None, progress).map(|()| sharing)?,
             None => {
-                let plan = Plan::new(self.len, Words::ALL, self.layout, self.memory);
+                let plan = BucketPlan::new(self.len, Words::ALL, self.layout, self.memory);
                 let mut sharing = Buckets::new(plan, pile);
                 self.scatter(&mut buckets, Some(&mut sharing), progress)?;
                 let sharing = sharing.finish()?;
@@ -149,7 +154,7 @@ impl List {
             let mut some = Vec::new();
             pile.read(*extent, &mut some)?;
             for record in some.chunks_exact(self.layout.words()) {
-                buckets.add(self.shuffle.word(Layout::id(record)), record)?;
+                buckets.add(self.shuffle.word(RecordLayout::id(record)), record)?;
             }
         }
         head.sharing = Some(sharing);
@@ -210,7 +215,7 @@ impl List {
     }
 
     /// Gives the points of each place, of which a bucket has all, ids of their own.
-    fn tell_apart(&self, bucket: &[Extent], pile: &Pile, progress: &Progress) -> Result<(), Error> {
+    fn tell_apart(&self, bucket: &[FileExtent], pile: &Pile, progress: &Progress) -> Result<(), Error> {
         check(&self.source, progress)?;
         let mut points = self.points(bucket, pile)?;
         // Those of a place have one word so far, and come in canonical order.
@@ -224,8 +229,8 @@ impl List {
         pile.overwrite(bucket, &self.records(&points, &order))
     }
 
-    fn points(&self, bucket: &[Extent], pile: &Pile) -> Result<Points, Error> {
-        Plan::check(points_of(self.layout, bucket), self.memory, &self.source.path)?;
+    fn points(&self, bucket: &[FileExtent], pile: &Pile) -> Result<Points, Error> {
+        BucketPlan::check(points_of(self.layout, bucket), self.memory, &self.source.path)?;
         let mut words = Vec::new();
         bucket.iter().try_for_each(|extent| pile.read(*extent, &mut words))?;
         Ok(self.layout.points(&words))
@@ -256,6 +261,6 @@ impl List {
     }
 }
 
-fn check(source: &Source, progress: &Progress) -> Result<(), Error> {
+fn check(source: &CloudBlocks, progress: &Progress) -> Result<(), Error> {
     progress.check().map_err(|_| Error::Cancelled { path: source.path.clone() })
 }

@@ -23,9 +23,9 @@ use rayon::prelude::*;
 
 use self::list::List;
 use self::pile::Pile;
-use self::records::Layout;
+use self::records::RecordLayout;
 use super::density::{self, Shuffled};
-use super::ensembles::Surface;
+use super::ensembles::CloudSurface;
 use pellucid_core::cloud::Bounds;
 use pellucid_core::points::{Anchor, Points};
 use pellucid_core::progress::Progress;
@@ -39,7 +39,7 @@ pub type Read = Arc<dyn Fn(usize) -> Result<Points, Error> + Send + Sync>;
 
 /// A cloud that is read block by block.
 #[derive(Clone)]
-pub struct Source {
+pub struct CloudBlocks {
     /// Path of the store, for errors.
     pub path: PathBuf,
     /// Points of each block.
@@ -52,7 +52,7 @@ pub struct Source {
     pub anchor: Anchor,
 }
 
-impl fmt::Debug for Source {
+impl fmt::Debug for CloudBlocks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Source").field("path", &self.path).field("blocks", &self.blocks.len()).finish_non_exhaustive()
     }
@@ -60,7 +60,7 @@ impl fmt::Debug for Source {
 
 /// Settings by which clouds are shuffled into ensembles.
 #[derive(Debug, Clone)]
-pub struct Settings {
+pub struct DealSettings {
     /// `true` if points have normals.
     pub has_normals: bool,
     /// The seed of the shuffle.
@@ -73,9 +73,9 @@ pub struct Settings {
 
 /// Facts about a cloud of the list.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Facts {
+pub struct DealtCloud {
     /// Properties of the cloud.
-    pub surface: Surface,
+    pub surface: CloudSurface,
     /// The box of its points that are drawn.
     pub bounds: Bounds,
     /// `true` if all of them have the same opacity.
@@ -88,10 +88,10 @@ pub struct Facts {
 #[derive(Debug)]
 pub struct DealtFile {
     pile: Pile,
-    layout: Layout,
+    layout: RecordLayout,
     lists: Vec<List>,
-    clouds: Vec<Facts>,
-    surfaces: Vec<Surface>,
+    clouds: Vec<DealtCloud>,
+    surfaces: Vec<CloudSurface>,
 }
 
 impl DealtFile {
@@ -100,20 +100,20 @@ impl DealtFile {
     ///
     /// # Errors
     /// A block can't be read, the file can't be written, too many points are in one place, or `progress` cancels it.
-    pub fn deal(clouds: Vec<Source>, settings: &Settings, progress: &Progress) -> Result<Self, Error> {
+    pub fn deal(clouds: Vec<CloudBlocks>, settings: &DealSettings, progress: &Progress) -> Result<Self, Error> {
         progress.set_length(3 * clouds.iter().flat_map(|cloud| &cloud.blocks).sum::<u64>());
         let pile = Pile::new(&settings.folder)?;
-        let layout = Layout { has_normals: settings.has_normals };
+        let layout = RecordLayout { has_normals: settings.has_normals };
         let mut file = Self { pile, layout, lists: vec![], clouds: vec![], surfaces: vec![] };
         for cloud in clouds {
             let Some(list) = List::new(cloud, file.lists.len() as u32, settings, progress)? else { continue };
             let own = Own { list: &list, pile: &file.pile, layout, progress };
             let density = density::estimate_of(&own, progress)?;
-            let (Seen { bounds, opacities, brightest }, first) = (list.seen, file.len());
+            let (PointSummary { bounds, opacities, brightest }, first) = (list.seen, file.len());
             let opacity = opacities[1].max(0.0);
-            let surface = Surface { points: first..first + list.len, center: bounds.center(), density, opacity };
+            let surface = CloudSurface { points: first..first + list.len, center: bounds.center(), density, opacity };
             file.surfaces.push(surface.clone());
-            file.clouds.push(Facts { surface, bounds, uniform: opacities[0] == opacity, brightest });
+            file.clouds.push(DealtCloud { surface, bounds, uniform: opacities[0] == opacity, brightest });
             file.lists.push(list);
         }
         Ok(file)
@@ -135,12 +135,12 @@ impl DealtFile {
     }
 
     /// Returns the clouds, in the order of their points.
-    pub fn clouds(&self) -> &[Facts] {
+    pub fn clouds(&self) -> &[DealtCloud] {
         &self.clouds
     }
 
     /// Returns the properties of the surfaces alone.
-    pub fn surfaces(&self) -> &[Surface] {
+    pub fn surfaces(&self) -> &[CloudSurface] {
         &self.surfaces
     }
 
@@ -190,7 +190,7 @@ impl DealtFile {
 struct Own<'a> {
     list: &'a List,
     pile: &'a Pile,
-    layout: Layout,
+    layout: RecordLayout,
     progress: &'a Progress,
 }
 
@@ -219,14 +219,14 @@ impl Shuffled for Own<'_> {
 
 /// The box of points, and what else is known of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Seen {
+struct PointSummary {
     bounds: Bounds,
     /// The smallest and the largest.
     opacities: [f32; 2],
     brightest: f32,
 }
 
-impl Seen {
+impl PointSummary {
     /// `None` without points.
     fn of(points: &Points) -> Option<Self> {
         let bounds = Bounds::enclosing(points.positions.iter().copied())?;
@@ -275,11 +275,11 @@ mod tests {
     }
 
     /// The points in blocks of 700, as they come.
-    fn source(points: &Points) -> Source {
+    fn source(points: &Points) -> CloudBlocks {
         let starts = (0..points.len()).step_by(700);
         let blocks = starts.map(|start| (start as u32..points.len().min(start + 700) as u32).collect::<Vec<_>>());
         let blocks: Vec<Points> = blocks.map(|block| points.subset(&block, 1.0)).collect();
-        Source {
+        CloudBlocks {
             path: PathBuf::from("wave"),
             blocks: blocks.iter().map(|block| block.len() as u64).collect(),
             bounds: points.drawn_bounds().expect("points"),
@@ -290,7 +290,7 @@ mod tests {
 
     fn filed(clouds: &[Points]) -> DealtFile {
         let folder = std::env::temp_dir();
-        let settings = Settings { has_normals: false, seed: SEED, memory: MEMORY, folder };
+        let settings = DealSettings { has_normals: false, seed: SEED, memory: MEMORY, folder };
         DealtFile::deal(clouds.iter().map(source).collect(), &settings, &Progress::hidden()).expect("dealt")
     }
 
@@ -305,8 +305,8 @@ mod tests {
 
     /// The first points of a list of which no more than some are in the file.
     fn beginning(points: &Points) -> (DealtFile, Dealt) {
-        let settings = Settings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() };
-        let (pile, layout) = (Pile::new(&settings.folder).expect("a file"), Layout { has_normals: false });
+        let settings = DealSettings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() };
+        let (pile, layout) = (Pile::new(&settings.folder).expect("a file"), RecordLayout { has_normals: false });
         let list = List::new(source(points), 0, &settings, &Progress::hidden()).expect("read").expect("points");
         let dealt = deal(vec![points.clone()], SEED, &Progress::hidden());
         assert_eq!(list.len, points.len() as u64);
@@ -366,7 +366,7 @@ mod tests {
         let clouds = [wave(POINTS), wave(3_000)];
         let dealt = deal(clouds.to_vec(), SEED, &Progress::hidden());
         let (mut file, _) = beginning(&clouds[0]);
-        let settings = Settings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() };
+        let settings = DealSettings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() };
         file.lists.push(List::new(source(&clouds[1]), 1, &settings, &Progress::hidden()).unwrap().unwrap());
         file.surfaces = dealt.surfaces.clone();
         let found = file.read(POINTS as u64 - 8..POINTS as u64 + 100).unwrap();

@@ -18,13 +18,13 @@ pub(super) struct Pile {
 
 /// A piece of it, in words of 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Extent {
+pub(super) struct FileExtent {
     pub start: u64,
     pub words: u64,
 }
 
 /// Words of some extents.
-pub(super) fn words_of(extents: &[Extent]) -> u64 {
+pub(super) fn words_of(extents: &[FileExtent]) -> u64 {
     extents.iter().map(|extent| extent.words).sum()
 }
 
@@ -37,17 +37,17 @@ impl Pile {
     }
 
     /// Adds words.
-    pub fn add(&self, words: &[u32]) -> Result<Extent, Error> {
+    pub fn add(&self, words: &[u32]) -> Result<FileExtent, Error> {
         let mut locked = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, end) = &mut *locked;
-        let extent = Extent { start: *end, words: words.len() as u64 };
+        let extent = FileExtent { start: *end, words: words.len() as u64 };
         self.write(file, extent.start, words)?;
         *end += extent.words;
         Ok(extent)
     }
 
     /// Puts as many words in place of others.
-    pub fn overwrite(&self, extents: &[Extent], words: &[u32]) -> Result<(), Error> {
+    pub fn overwrite(&self, extents: &[FileExtent], words: &[u32]) -> Result<(), Error> {
         let mut rest = words;
         for extent in extents {
             let (here, others) = rest.split_at(usize::try_from(extent.words).unwrap_or(usize::MAX));
@@ -64,7 +64,7 @@ impl Pile {
     }
 
     /// Reads words behind others.
-    pub fn read(&self, extent: Extent, into: &mut Vec<u32>) -> Result<(), Error> {
+    pub fn read(&self, extent: FileExtent, into: &mut Vec<u32>) -> Result<(), Error> {
         let first = into.len();
         into.resize(first + usize::try_from(extent.words).unwrap_or(usize::MAX), 0);
         let mut locked = self.file.lock().unwrap_or_else(PoisonError::into_inner);
@@ -86,7 +86,7 @@ mod tests {
         let pile = Pile::new(folder.path()).unwrap();
         let [a, b, c] = [&[1, 2, 3][..], &[4], &[5, 6]].map(|words| pile.add(words).unwrap());
         assert_eq!([a.start, b.start, c.start], [0, 3, 4]);
-        let all = |extents: &[Extent]| {
+        let all = |extents: &[FileExtent]| {
             let mut words = Vec::new();
             extents.iter().for_each(|extent| pile.read(*extent, &mut words).unwrap());
             words

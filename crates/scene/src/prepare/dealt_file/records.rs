@@ -7,7 +7,7 @@ use pellucid_core::points::Points;
 
 /// Layout of a point in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Layout {
+pub(super) struct RecordLayout {
     /// `true` if points have normals.
     pub has_normals: bool,
 }
@@ -15,7 +15,7 @@ pub(super) struct Layout {
 /// Words without a normal: position, color, opacity, radius, id.
 const WORDS: usize = 6 + 3 + 1 + 1 + 1;
 
-impl Layout {
+impl RecordLayout {
     /// Words of 32 bits that a point takes.
     pub fn words(self) -> usize {
         if self.has_normals { WORDS + 3 } else { WORDS }
@@ -83,7 +83,7 @@ mod tests {
             ..Points::default()
         };
         for has_normals in [true, false] {
-            let layout = Layout { has_normals };
+            let layout = RecordLayout { has_normals };
             let mut words = Vec::new();
             (0..2).for_each(|at| layout.put(&points, at, points.dealt_ids[at], &mut words));
             assert_eq!(words.len(), 2 * layout.words());

@@ -14,8 +14,8 @@ use glam::{DVec3, Vec3};
 use pellucid_core::progress::Progress;
 use rayon::prelude::*;
 
-use self::search::{Columns, Found, Search};
-use self::tree::{LEAF, Tree};
+use self::search::{Columns, NearestPlaces, Search};
+use self::tree::{LEAF, PlaceTree};
 use super::keyed::Keyed;
 use super::morton;
 use pellucid_core::cloud::Bounds;
@@ -40,7 +40,7 @@ pub(super) struct Places {
     /// Places by rank.
     places: Vec<u32>,
     /// Finds places.
-    tree: Tree,
+    tree: PlaceTree,
     columns: Columns,
     /// The unit of distances.
     unit: f64,
@@ -117,7 +117,7 @@ impl Places {
         let codes: Vec<u64> = starts.par_iter().map(|&rank| keyed[rank as usize].code()).collect();
         let unit = unit(bounds);
         let columns = Columns::new(&positions, &starts, unit);
-        let tree = Tree::new(&columns, &codes);
+        let tree = PlaceTree::new(&columns, &codes);
         starts.push(positions.len() as u32);
         let members = |place: usize| (starts[place + 1] - starts[place]) as usize;
         let mut places = Vec::with_capacity(positions.len());
@@ -173,8 +173,8 @@ impl Places {
 
     /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one;
     /// the distance of the last in units.
-    fn take(&self, place: usize, k: usize, found: Found<'_>, ranks: &mut Vec<u32>) -> f64 {
-        let Found { places: found, last, .. } = found;
+    fn take(&self, place: usize, k: usize, found: NearestPlaces<'_>, ranks: &mut Vec<u32>) -> f64 {
+        let NearestPlaces { places: found, last, .. } = found;
         ranks.clear();
         let wanted = self.elsewhere(place, k);
         if wanted == 0 {
@@ -272,7 +272,7 @@ impl Places {
     }
 
     /// Calls `see` for each of some places with the places as near as the k-th other one.
-    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, Found<'_>)) {
+    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, NearestPlaces<'_>)) {
         let mut search = Search::new(&self.tree, &self.columns, k);
         for &leaf in &self.tree.leaves[self.tree.leaf_of(places.start)..] {
             let leaf = self.tree.nodes[leaf as usize];

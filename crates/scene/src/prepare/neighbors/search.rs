@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::tree::{Cuboid, LEAF, Node, Tree};
+use super::tree::{Cuboid, LEAF, Node, PlaceTree};
 
 /// Places in the leaves around one, above which each of its places is looked for by itself.
 const MOST_AROUND: usize = 4096;
@@ -64,7 +64,7 @@ impl Columns {
 
 /// Finds the nearest places of one place after the other. It keeps what it learns from one for the next.
 pub(super) struct Search<'a> {
-    tree: &'a Tree,
+    tree: &'a PlaceTree,
     columns: &'a Columns,
     around: Around,
     /// Places that were found, and their squared distances: the first `count` of each.
@@ -82,7 +82,7 @@ pub(super) struct Search<'a> {
 
 /// The places as near to one as the last one wanted, itself among them. All places if there are no more than wanted.
 #[derive(Clone, Copy)]
-pub(super) struct Found<'a> {
+pub(super) struct NearestPlaces<'a> {
     /// Places of the neighbors, in ascending order.
     pub places: &'a [u32],
     /// The squared distance of each.
@@ -111,7 +111,7 @@ struct Around {
 
 impl<'a> Search<'a> {
     /// Returns a search for `wanted` places in addition to the one that is asked for.
-    pub fn new(tree: &'a Tree, columns: &'a Columns, wanted: usize) -> Self {
+    pub fn new(tree: &'a PlaceTree, columns: &'a Columns, wanted: usize) -> Self {
         Self {
             tree,
             columns,
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
     }
 
     /// Calls `see` for each of some places of one leaf with what was found around it.
-    pub fn leaf(&mut self, leaf: Node, places: std::ops::Range<usize>, mut see: impl FnMut(usize, Found<'_>)) {
+    pub fn leaf(&mut self, leaf: Node, places: std::ops::Range<usize>, mut see: impl FnMut(usize, NearestPlaces<'_>)) {
         let here = self.columns.position(places.start);
         let farthest = places.clone().map(|place| self.columns.squared_between(places.start, place));
         let farthest = farthest.fold(0.0, f64::max).sqrt();
@@ -150,7 +150,7 @@ impl<'a> Search<'a> {
                     near = self.gather(&leaf, reach);
                 }
             }
-            see(place, Found { places: &self.found[..self.count], squared: &self.squared[..self.count], last });
+            see(place, NearestPlaces { places: &self.found[..self.count], squared: &self.squared[..self.count], last });
         }
     }
 
@@ -160,10 +160,10 @@ impl<'a> Search<'a> {
     }
 
     /// Finds the neighbors of a single place, like [`Search::leaf`].
-    pub fn one(&mut self, place: usize) -> Found<'_> {
+    pub fn one(&mut self, place: usize) -> NearestPlaces<'_> {
         self.through_tree(self.columns.position(place));
         let last = self.keep_nearest();
-        Found { places: &self.found[..self.count], squared: &self.squared[..self.count], last }
+        NearestPlaces { places: &self.found[..self.count], squared: &self.squared[..self.count], last }
     }
 
     /// A distance within which as many places lie as are wanted, and the one that is asked for.
@@ -301,7 +301,7 @@ fn cut(squared: &[f64], wanted: usize) -> Option<f64> {
 
 impl Around {
     /// Gathers the leaves within a squared distance of a leaf; false if their places are too many.
-    fn gather(&mut self, tree: &Tree, leaf: &Cuboid, reach: f64) -> bool {
+    fn gather(&mut self, tree: &PlaceTree, leaf: &Cuboid, reach: f64) -> bool {
         self.truncate(0);
         (self.places, self.reach) = (0, reach);
         let mut index = 0;

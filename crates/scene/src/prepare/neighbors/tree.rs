@@ -50,13 +50,13 @@ pub(super) struct Node {
 
 /// The nodes in depth-first order, so that leaves come in the order of places: the first child follows its parent.
 #[derive(Debug, Default)]
-pub(super) struct Tree {
+pub(super) struct PlaceTree {
     pub nodes: Vec<Node>,
     /// The nodes that are leaves.
     pub leaves: Vec<u32>,
 }
 
-impl Tree {
+impl PlaceTree {
     /// Builds the tree of distinct places with ascending Morton codes.
     pub fn new(columns: &Columns, codes: &[u64]) -> Self {
         let nodes = if codes.is_empty() { Vec::new() } else { branch(columns, codes, 0) };

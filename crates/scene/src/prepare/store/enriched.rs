@@ -1,8 +1,8 @@
 //! A store with the values that were found for its points.
 
-use super::source::Source;
+use super::source::RegionStore;
 use super::values::{Value, Values};
-use super::{Field, Plan};
+use super::{Field, ValuePlan};
 use pellucid_core::cloud::Prepared;
 use pellucid_io::Error;
 use pellucid_io::store::{Node, Piece, Store, Summary};
@@ -21,8 +21,8 @@ pub(super) enum Fields {
 /// The store.
 #[derive(Debug)]
 pub(super) struct Enriched {
-    pub source: Source,
-    pub plan: Plan,
+    pub source: RegionStore,
+    pub plan: ValuePlan,
     pub field: Field,
     pub fields: Fields,
     pub values: Values,

@@ -26,7 +26,7 @@ use pellucid_io::store::build::{self, Built, Settings};
 use pellucid_io::store::{Octree, Store, Summary};
 use regions::{Region, regions};
 use solve::Solver;
-use source::Source;
+use source::RegionStore;
 use values::{Value, Values};
 
 /// Name of the file that says what a finished store of points without values is made of, and what was said of it.
@@ -56,7 +56,7 @@ pub enum Error {
 
 /// Data that is computed of each point, in addition to the radius.
 #[derive(Debug, Clone, PartialEq)]
-struct Plan {
+struct ValuePlan {
     /// K of a cloud with so many points.
     k: usize,
     cap: f32,
@@ -136,8 +136,8 @@ fn compute(
     let is_stored = request.stored_field(like).is_some();
     let wants = Wants { normals: request.normals, fields: !is_stored && field == Field::Uncertainty };
     let k = usize::try_from(summary.points - 1).unwrap_or(usize::MAX).min(neighbors);
-    let plan = Plan { k, cap, radii: request.stored_radii(like).is_none(), wants };
-    let source = Source::new(octree);
+    let plan = ValuePlan { k, cap, radii: request.stored_radii(like).is_none(), wants };
+    let source = RegionStore::new(octree);
     let from_columns = !is_stored && field != Field::Uncertainty;
     progress.set_message("looking at the points");
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -179,7 +179,13 @@ fn region_points(settings: &Settings, k: usize) -> u64 {
 }
 
 /// Finds the values of all regions.
-fn solve(source: &Source, plan: &Plan, regions: &[Region], values: &Values, progress: &Progress) -> Result<(), Error> {
+fn solve(
+    source: &RegionStore,
+    plan: &ValuePlan,
+    regions: &[Region],
+    values: &Values,
+    progress: &Progress,
+) -> Result<(), Error> {
     if !plan.radii && plan.wants == (Wants { normals: false, fields: false }) {
         return Ok(());
     }
@@ -202,7 +208,7 @@ fn solve(source: &Source, plan: &Plan, regions: &[Region], values: &Values, prog
 }
 
 /// Returns what is known of the store with the values.
-fn enriched_summary(summary: &Summary, request: &Request, plan: &Plan) -> Summary {
+fn enriched_summary(summary: &Summary, request: &Request, plan: &ValuePlan) -> Summary {
     let mut summary = summary.clone();
     let like = &mut summary.like;
     let shadows = like.prepared.as_ref().and_then(|prepared| prepared.shadows.clone()).filter(|_| !request.normals);

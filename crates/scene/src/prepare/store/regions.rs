@@ -6,7 +6,7 @@ use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 
 use super::super::morton;
-use super::source::Source;
+use super::source::RegionStore;
 use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::morton::BITS;
 use pellucid_core::progress::Progress;
@@ -50,7 +50,7 @@ impl Region {
 /// Regions with at most so many points, as far as cells of the finest level allow. Each cloud of points that is read is
 /// shown to `see`.
 pub(super) fn regions<T: Send>(
-    source: &Source,
+    source: &RegionStore,
     most: u64,
     progress: &Progress,
     see: impl Fn(&Cloud) -> T + Sync,

@@ -4,11 +4,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::super::neighbors::Places;
-use super::super::surface::{self, Seen};
+use super::super::surface::{self, UnscaledEstimates};
 use super::regions::Region;
-use super::source::{Local, Shape, Source};
+use super::source::{Local, RegionStore, SpaceRegion};
 use super::values::{Value, Values};
-use super::{Error, Plan};
+use super::{Error, ValuePlan};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::progress::Progress;
 use pellucid_io as io;
@@ -24,8 +24,8 @@ const WIDER: f64 = 1.0 + 1e-9;
 
 /// Finds values.
 pub(super) struct Solver<'a> {
-    pub source: &'a Source,
-    pub plan: &'a Plan,
+    pub source: &'a RegionStore,
+    pub plan: &'a ValuePlan,
 }
 
 impl Solver<'_> {
@@ -42,7 +42,7 @@ impl Solver<'_> {
         let mut reach = REACH[0] * side;
         loop {
             let halo = Bounds { min: cell.min - reach - self.source.cell, max: cell.max + reach + self.source.cell };
-            let local = self.source.gather(&Shape::Box(halo))?;
+            let local = self.source.gather(&SpaceRegion::Box(halo))?;
             if local.places.len() <= self.plan.k {
                 // There are as many elsewhere.
                 reach *= 4.0;
@@ -82,13 +82,13 @@ impl Solver<'_> {
         Places::group_within(&local.positions, local.normals.as_deref(), &self.source.bounds)
     }
 
-    fn see(&self, local: &Local) -> Seen {
-        let Some(places) = self.places(local) else { return Seen::default() };
-        let Plan { k, cap, wants, .. } = *self.plan;
+    fn see(&self, local: &Local) -> UnscaledEstimates {
+        let Some(places) = self.places(local) else { return UnscaledEstimates::default() };
+        let ValuePlan { k, cap, wants, .. } = *self.plan;
         surface::see(&places, local.normals.as_deref(), (k, cap), wants, &Progress::hidden())
     }
 
-    fn value(&self, seen: &Seen, i: usize) -> Value {
+    fn value(&self, seen: &UnscaledEstimates, i: usize) -> Value {
         let normal = if self.plan.wants.normals { seen.surface.normals[i] } else { Vec3::ZERO };
         let spread = if self.plan.wants.fields { seen.spreads[i] } else { 0.0 };
         Value { radius: seen.surface.radii[i], normal, spread }
@@ -100,7 +100,7 @@ impl Solver<'_> {
         let k = self.plan.k;
         let radius = within.min(self.source.reach(position, k as u64 + 1)) * WIDER + self.source.cell;
         let mut balls = vec![(position, radius)];
-        let mut local = self.source.gather(&Shape::Balls(balls.clone()))?;
+        let mut local = self.source.gather(&SpaceRegion::Balls(balls.clone()))?;
         let find = |local: &Local| local.places.iter().position(|other| *other == place).unwrap_or(0);
         if self.hops() > 1.0
             && let Some(places) = self.places(&local)
@@ -113,7 +113,7 @@ impl Solver<'_> {
                 let radius = distance * places.unit() * WIDER + self.source.cell;
                 (places.positions[rank as usize], radius)
             }));
-            local = self.source.gather(&Shape::Balls(balls))?;
+            local = self.source.gather(&SpaceRegion::Balls(balls))?;
         }
         let seen = self.see(&local);
         Ok((place, self.value(&seen, find(&local))))

@@ -10,7 +10,7 @@ use pellucid_io::store::{Node, Octree, Piece, Store};
 
 /// A store whose points are looked at region by region.
 #[derive(Debug)]
-pub(super) struct Source {
+pub(super) struct RegionStore {
     pub octree: Octree,
     pub bounds: Bounds,
     /// A distance within which all points are that share a Morton cell of the whole cloud.
@@ -29,14 +29,14 @@ pub(super) struct Local {
 
 /// A part of space.
 #[derive(Debug)]
-pub(super) enum Shape {
+pub(super) enum SpaceRegion {
     /// Box with its faces.
     Box(Bounds),
     /// Balls by center and radius.
     Balls(Vec<(DVec3, f64)>),
 }
 
-impl Shape {
+impl SpaceRegion {
     fn holds(&self, p: DVec3) -> bool {
         match self {
             Self::Box(bounds) => (p.cmpge(bounds.min) & p.cmple(bounds.max)).all(),
@@ -54,7 +54,7 @@ impl Shape {
     }
 }
 
-impl Source {
+impl RegionStore {
     pub fn new(octree: Octree) -> Self {
         let bounds = octree.summary().bounds;
         // The diagonal of a cube, and what is rounded.
@@ -63,7 +63,7 @@ impl Source {
     }
 
     /// Returns the points of a part of space, in the order of the file's nodes.
-    pub fn gather(&self, shape: &Shape) -> Result<Local, Error> {
+    pub fn gather(&self, shape: &SpaceRegion) -> Result<Local, Error> {
         let nodes = self.octree.nodes().iter().enumerate();
         let touched: Vec<usize> =
             nodes.filter(|(_, node)| node.points > 0 && shape.touches(&node.bounds)).map(|(at, _)| at).collect();
@@ -80,7 +80,7 @@ impl Source {
         Ok(all)
     }
 
-    fn part(&self, node: usize, shape: &Shape) -> Result<Local, Error> {
+    fn part(&self, node: usize, shape: &SpaceRegion) -> Result<Local, Error> {
         let Piece { cloud, .. } = self.octree.read(node)?;
         let inside: Vec<usize> = (0..cloud.len()).filter(|i| shape.holds(cloud.positions[*i])).collect();
         let first = self.octree.first_point(node);

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::Vec3;
 
-use super::Plan;
+use super::ValuePlan;
 use pellucid_core::cloud::field;
 use pellucid_fault as fault;
 use pellucid_io::Error;
@@ -27,12 +27,12 @@ pub(super) struct Values {
     /// Unnamed: it goes with the process.
     file: Mutex<(File, [f64; 2])>,
     folder: std::path::PathBuf,
-    plan: Plan,
+    plan: ValuePlan,
 }
 
 impl Values {
     /// Returns an empty file in a folder.
-    pub fn new(folder: &Path, plan: &Plan) -> Result<Self, Error> {
+    pub fn new(folder: &Path, plan: &ValuePlan) -> Result<Self, Error> {
         let file =
             tempfile::tempfile_in(folder).map_err(|source| Error::Write { path: folder.to_path_buf(), source })?;
         let none = [f64::INFINITY, f64::NEG_INFINITY];
@@ -41,7 +41,7 @@ impl Values {
 
     /// Bytes of a point.
     fn stride(&self) -> usize {
-        let Plan { radii, wants, .. } = self.plan;
+        let ValuePlan { radii, wants, .. } = self.plan;
         4 * usize::from(radii) + 12 * usize::from(wants.normals) + 8 * usize::from(wants.fields)
     }
 

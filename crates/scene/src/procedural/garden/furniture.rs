@@ -6,7 +6,7 @@ use super::super::builder::Rgb;
 use super::house::{FLOOR, HALF_X, HALF_Y, PARTITION_X};
 use super::model::{Model, class};
 use super::paint::Paint;
-use super::shape::Shape;
+use super::shape::PatchShape;
 
 const OAK: Rgb = [178, 128, 78];
 const WALNUT: Rgb = [112, 74, 48];
@@ -120,7 +120,8 @@ fn terrace() -> Model {
         model.place(&chair, turn, 6.7 + dx, -4.6 + dy, 0.1);
     }
     model.tube([6.7, -4.6, 0.1], [6.7, -4.6, 2.55], [0.025, 0.025], Paint::plain(WHITE));
-    let canopy = Shape::Tube { from: DVec3::new(6.7, -4.6, 2.1), to: DVec3::new(6.7, -4.6, 2.6), radii: [1.3, 0.03] };
+    let canopy =
+        PatchShape::Tube { from: DVec3::new(6.7, -4.6, 2.1), to: DVec3::new(6.7, -4.6, 2.6), radii: [1.3, 0.03] };
     model.add_weighted(canopy, Paint::stripes([206, 54, 48], [248, 244, 236], 0.5224), 1.8);
     // A bench under the tree.
     let mut bench = Model::new(class::FURNITURE);

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::model::{Model, class};
 use super::paint::Paint;
-use super::shape::Shape;
+use super::shape::PatchShape;
 
 /// Plan of the house: 8 m by 6 m around the origin, with the ridge along x.
 pub(super) const HALF_X: f64 = 4.0;
@@ -65,7 +65,7 @@ pub(super) fn structure() -> Model {
         pierced(&mut model, &wall, EAVES - FLOOR, plaster);
         for &[l0, l1, h0, h1] in wall.openings.iter().filter(|o| o[2] > 0.0) {
             let corner = wall.corner + l0 * wall.along + h0 * DVec3::Z;
-            let shape = Shape::Quad { corner, u: (l1 - l0) * wall.along, v: (h1 - h0) * DVec3::Z };
+            let shape = PatchShape::Quad { corner, u: (l1 - l0) * wall.along, v: (h1 - h0) * DVec3::Z };
             // Glass returns few of a scanner's pulses.
             model.add_weighted(shape, Paint::plain([190, 220, 235]), 0.4);
         }
@@ -75,7 +75,7 @@ pub(super) fn structure() -> Model {
         for half in [-1.0, 1.0] {
             let (u, v) = (half * HALF_Y * DVec3::Y, (RIDGE - EAVES) * DVec3::Z);
             let (u, v) = if side * half > 0.0 { (u, v) } else { (v, u) };
-            model.add(Shape::Triangle { corner: middle, u, v }, plaster);
+            model.add(PatchShape::Triangle { corner: middle, u, v }, plaster);
         }
         roof(&mut model, side);
     }

@@ -21,7 +21,7 @@ use pellucid_core::cloud::Cloud;
 use scan::{Sample, scan};
 
 /// A single cloud of the scene.
-struct Part {
+struct GardenPart {
     name: &'static str,
     opacity: f64,
     /// Share of the points.
@@ -30,12 +30,12 @@ struct Part {
     overlap: f64,
 }
 
-const GROUND: Part = Part { name: "ground", opacity: 0.45, share: 0.19, overlap: 1.3 };
-const STRUCTURE: Part = Part { name: "structure", opacity: 0.17, share: 0.17, overlap: 0.85 };
-const FRAME: Part = Part { name: "frame", opacity: 0.7, share: 0.13, overlap: 0.8 };
-const FURNITURE: Part = Part { name: "furniture", opacity: 0.75, share: 0.21, overlap: 0.95 };
-const WOOD: Part = Part { name: "wood", opacity: 0.7, share: 0.04, overlap: 0.7 };
-const LEAVES: Part = Part { name: "leaves", opacity: 0.25, share: 0.26, overlap: 0.4 };
+const GROUND: GardenPart = GardenPart { name: "ground", opacity: 0.45, share: 0.19, overlap: 1.3 };
+const STRUCTURE: GardenPart = GardenPart { name: "structure", opacity: 0.17, share: 0.17, overlap: 0.85 };
+const FRAME: GardenPart = GardenPart { name: "frame", opacity: 0.7, share: 0.13, overlap: 0.8 };
+const FURNITURE: GardenPart = GardenPart { name: "furniture", opacity: 0.75, share: 0.21, overlap: 0.95 };
+const WOOD: GardenPart = GardenPart { name: "wood", opacity: 0.7, share: 0.04, overlap: 0.7 };
+const LEAVES: GardenPart = GardenPart { name: "leaves", opacity: 0.25, share: 0.26, overlap: 0.4 };
 
 /// Standard deviation of the scanner's range, in meters.
 const NOISE: f64 = 0.003;
@@ -44,11 +44,11 @@ const NOISE: f64 = 0.003;
 const OUTLIERS: usize = 1200;
 
 /// A part, its points without light, and their spacing.
-type Scanned = (Part, Vec<Sample>, f64);
+type Scanned = (GardenPart, Vec<Sample>, f64);
 
 pub(super) fn generate([points]: [f64; 1], seed: u64) -> Result<Generated, Error> {
     let mut random = Random::new(seed);
-    let count = |part: &Part| (part.share * points).round() as usize;
+    let count = |part: &GardenPart| (part.share * points).round() as usize;
 
     let plants = plants::plants(&mut random);
     let mut frame = house::frame();

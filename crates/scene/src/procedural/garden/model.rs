@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::paint::Paint;
-use super::shape::Shape;
+use super::shape::PatchShape;
 
 /// LAS classes (ASPRS), and one of the range free for users.
 pub(super) mod class {
@@ -19,7 +19,7 @@ pub(super) mod class {
 /// A surface with its look and class.
 #[derive(Clone)]
 pub(super) struct Patch {
-    pub(super) shape: Shape,
+    pub(super) shape: PatchShape,
     pub(super) paint: Paint,
     pub(super) class: u8,
     /// Points per area against other surfaces of the cloud.
@@ -37,11 +37,11 @@ impl Model {
         Self { patches: Vec::new(), class }
     }
 
-    pub(super) fn add(&mut self, shape: Shape, paint: Paint) {
+    pub(super) fn add(&mut self, shape: PatchShape, paint: Paint) {
         self.add_weighted(shape, paint, 1.0);
     }
 
-    pub(super) fn add_weighted(&mut self, shape: Shape, paint: Paint, weight: f64) {
+    pub(super) fn add_weighted(&mut self, shape: PatchShape, paint: Paint, weight: f64) {
         self.patches.push(Patch { shape, paint, class: self.class, weight });
     }
 
@@ -52,7 +52,7 @@ impl Model {
     }
 
     pub(super) fn quad(&mut self, corner: DVec3, u: DVec3, v: DVec3, paint: Paint) {
-        self.add(Shape::Quad { corner, u, v }, paint);
+        self.add(PatchShape::Quad { corner, u, v }, paint);
     }
 
     /// A block with its three half edges (right-handed).
@@ -82,11 +82,11 @@ impl Model {
     }
 
     pub(super) fn tube(&mut self, from: [f64; 3], to: [f64; 3], radii: [f64; 2], paint: Paint) {
-        self.add(Shape::Tube { from: DVec3::from_array(from), to: DVec3::from_array(to), radii }, paint);
+        self.add(PatchShape::Tube { from: DVec3::from_array(from), to: DVec3::from_array(to), radii }, paint);
     }
 
     pub(super) fn ball(&mut self, center: [f64; 3], semi: [f64; 3], paint: Paint) {
-        self.add(Shape::Ball { center: DVec3::from_array(center), semi: DVec3::from_array(semi) }, paint);
+        self.add(PatchShape::Ball { center: DVec3::from_array(center), semi: DVec3::from_array(semi) }, paint);
     }
 
     /// A level disc that looks up.

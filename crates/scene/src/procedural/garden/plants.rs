@@ -6,7 +6,7 @@ use super::super::builder::Rgb;
 use super::super::random::Random;
 use super::model::{Model, class};
 use super::paint::Paint;
-use super::shape::Shape;
+use super::shape::PatchShape;
 
 /// Wood and leaves.
 pub(super) struct Plants {
@@ -41,10 +41,10 @@ impl Plants {
     fn tree(&mut self, foot: DVec3, trunk: f64, radius: f64, species: &Species, random: &mut Random) {
         let bark = Paint::boards(species.bark, 0.13);
         let root = foot - 0.1 * DVec3::Z;
-        self.wood.add(Shape::Tube { from: root, to: foot + 0.4 * DVec3::Z, radii: [1.5 * radius, radius] }, bark);
+        self.wood.add(PatchShape::Tube { from: root, to: foot + 0.4 * DVec3::Z, radii: [1.5 * radius, radius] }, bark);
         let lean = (DVec3::Z + 0.08 * random.direction()).normalize();
         let top = foot + trunk * lean;
-        self.wood.add(Shape::Tube { from: foot + 0.4 * DVec3::Z, to: top, radii: [radius, 0.75 * radius] }, bark);
+        self.wood.add(PatchShape::Tube { from: foot + 0.4 * DVec3::Z, to: top, radii: [radius, 0.75 * radius] }, bark);
         self.branch(top, lean, 0.62 * trunk, 0.7 * radius, 3, species, random);
     }
 
@@ -70,13 +70,13 @@ impl Plants {
             let direction = (along + spread * (cos * side + sin * other) + 0.25 * DVec3::Z).normalize();
             let end = from + length * random.range(0.8, 1.15) * direction;
             let bark = Paint::plain(species.bark);
-            self.wood.add(Shape::Tube { from, to: end, radii: [radius, 0.55 * radius] }, bark);
+            self.wood.add(PatchShape::Tube { from, to: end, radii: [radius, 0.55 * radius] }, bark);
             if level == 0 {
                 let size = species.crown * random.range(0.75, 1.2);
                 let tint = random.range(0.82, 1.18);
                 let leaf = species.leaf.map(|c| (f64::from(c) * tint).min(255.0) as u8);
                 let semi = DVec3::new(size, size, 0.75 * size);
-                self.leaves.add(Shape::Leaves { center: end, semi }, Paint::leaves(leaf));
+                self.leaves.add(PatchShape::Leaves { center: end, semi }, Paint::leaves(leaf));
             }
             if level > 0 {
                 self.branch(end, direction, 0.68 * length, 0.52 * radius, level - 1, species, random);
@@ -86,7 +86,7 @@ impl Plants {
 
     fn spruce(&mut self, foot: DVec3, height: f64, random: &mut Random) {
         let bark = Paint::plain([92, 66, 50]);
-        self.wood.add(Shape::Tube { from: foot, to: foot + height * DVec3::Z, radii: [0.14, 0.02] }, bark);
+        self.wood.add(PatchShape::Tube { from: foot, to: foot + height * DVec3::Z, radii: [0.14, 0.02] }, bark);
         let whorls = (height / 0.42) as u32;
         for whorl in 1..whorls {
             let share = f64::from(whorl) / f64::from(whorls);
@@ -96,12 +96,12 @@ impl Plants {
                 let (cos, sin) = super::super::random::unit_circle(start + f64::from(arm) / 6.0);
                 let base = foot + share * height * DVec3::Z;
                 let end = base + reach * DVec3::new(cos, sin, -0.22);
-                self.wood.add(Shape::Tube { from: base, to: end, radii: [0.025, 0.01] }, bark);
+                self.wood.add(PatchShape::Tube { from: base, to: end, radii: [0.025, 0.01] }, bark);
                 let green = [46 + (20.0 * random.unit()) as u8, 96 + (24.0 * random.unit()) as u8, 66];
                 let along = DVec3::new(cos, sin, 0.0).abs();
                 let semi = 0.38 * reach * along + DVec3::new(0.2, 0.2, 0.14);
                 let center = base + 0.62 * (end - base);
-                self.leaves.add(Shape::Leaves { center, semi }, Paint::leaves(green));
+                self.leaves.add(PatchShape::Leaves { center, semi }, Paint::leaves(green));
             }
         }
     }
@@ -112,7 +112,7 @@ impl Plants {
         let green = Paint::leaves([58, 122, 50]);
         let mut row = |x: f64, y: f64, half_x: f64, half_y: f64| {
             let (center, half) = (DVec3::new(x, y, 0.72), DVec3::new(half_x, half_y, 0.72));
-            hedge.add_weighted(Shape::Hedge { center, half }, green, 12.0);
+            hedge.add_weighted(PatchShape::Hedge { center, half }, green, 12.0);
         };
         row(0.0, 8.0, 10.0, 0.4);
         row(-9.6, 0.6, 0.4, 7.0);
@@ -130,13 +130,13 @@ impl Plants {
             }
             let center = DVec3::new(x, random.range(-3.95, -3.3), random.range(0.14, 0.2));
             low.add_weighted(
-                Shape::Leaves { center, semi: DVec3::new(0.13, 0.13, 0.15) },
+                PatchShape::Leaves { center, semi: DVec3::new(0.13, 0.13, 0.15) },
                 Paint::leaves([84, 138, 62]),
                 1.6,
             );
             let petal = petals[random.index(petals.len())];
             let center = center + DVec3::new(0.0, -0.03, random.range(0.14, 0.24));
-            low.add_weighted(Shape::Ball { center, semi: DVec3::splat(0.075) }, Paint::plain(petal), 6.0);
+            low.add_weighted(PatchShape::Ball { center, semi: DVec3::splat(0.075) }, Paint::plain(petal), 6.0);
         }
         for (x, y, r) in [
             (-4.7, -3.4, 0.5),
@@ -147,7 +147,7 @@ impl Plants {
             (-4.8, 2.2, 0.6),
         ] {
             let (center, semi) = (DVec3::new(x, y, 0.8 * r), DVec3::new(r, r, 0.85 * r));
-            low.add(Shape::Leaves { center, semi }, Paint::leaves([96, 148, 74]));
+            low.add(PatchShape::Leaves { center, semi }, Paint::leaves([96, 148, 74]));
         }
         self.leaves.place(&low, 0.0, 0.0, 0.0, 0.0);
     }

@@ -6,7 +6,7 @@ use super::super::random::{Random, unit_circle};
 
 /// A piece of surface, in meters.
 #[derive(Clone)]
-pub(super) enum Shape {
+pub(super) enum PatchShape {
     /// A parallelogram; the normal is u × v.
     Quad { corner: DVec3, u: DVec3, v: DVec3 },
     /// Half of that: corner, corner + u, corner + v.
@@ -22,7 +22,7 @@ pub(super) enum Shape {
 }
 
 /// A place on a surface.
-pub(super) struct Place {
+pub(super) struct PatchPoint {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
     /// Depth inside foliage, from 0 outside to 1.
@@ -32,7 +32,7 @@ pub(super) struct Place {
 /// Leaf area over the area of a hull around the leaves.
 const LEAF_AREA: f64 = 2.0;
 
-impl Shape {
+impl PatchShape {
     /// Square meters.
     pub(super) fn area(&self) -> f64 {
         let [u, v] = self.lengths();
@@ -60,8 +60,9 @@ impl Shape {
     }
 
     /// Returns the position of (s, t) in the unit square; `None` for the half of it that a triangle leaves out.
-    pub(super) fn at(&self, s: f64, t: f64, random: &mut Random) -> Option<Place> {
-        let surface = |position, normal: DVec3| Place { position, normal: normal.normalize_or(DVec3::Z), depth: 0.0 };
+    pub(super) fn at(&self, s: f64, t: f64, random: &mut Random) -> Option<PatchPoint> {
+        let surface =
+            |position, normal: DVec3| PatchPoint { position, normal: normal.normalize_or(DVec3::Z), depth: 0.0 };
         match *self {
             Self::Quad { corner, u, v } => Some(surface(corner + s * u + t * v, u.cross(v))),
             Self::Triangle { corner, u, v } => (s + t <= 1.0).then(|| surface(corner + s * u + t * v, u.cross(v))),
@@ -84,7 +85,7 @@ impl Shape {
                 let r = 0.25 + 0.75 * random.unit().max(random.unit());
                 let normal = (out / semi).normalize_or(DVec3::Z) + 0.8 * random.direction();
                 let normal = normal.normalize_or(DVec3::Z);
-                Some(Place { position: center + semi * out * r, normal, depth: 1.0 - r })
+                Some(PatchPoint { position: center + semi * out * r, normal, depth: 1.0 - r })
             }
             Self::Hedge { center, half } => {
                 let q = DVec3::from_array(std::array::from_fn(|_| random.range(-1.0, 1.0)));
@@ -93,7 +94,7 @@ impl Shape {
                 let out = DVec3::select(gap.cmple(DVec3::splat(inward)), q.signum(), DVec3::ZERO);
                 let normal = (out + 0.7 * random.direction()).normalize_or(DVec3::Z);
                 let position = center + half * q + 0.05 * random.direction();
-                (inward < 0.18).then_some(Place { position, normal, depth: inward / 0.3 })
+                (inward < 0.18).then_some(PatchPoint { position, normal, depth: inward / 0.3 })
             }
         }
     }

@@ -12,7 +12,7 @@ use super::random::Random;
 use super::{Error, Generated, Given, MAX_POINTS, Parameter, count};
 use field::Field;
 use pellucid_io::volume::Volume;
-use surface::Surface;
+use surface::Isosurface;
 
 /// Name of the generator in `pellucid scene`.
 pub const NAME: &str = "iso";
@@ -98,7 +98,7 @@ pub fn build_iso(volume: &Volume, values: &[f64], parameters: &[(String, f64)], 
 }
 
 /// The surfaces and their values, the outermost first.
-fn surfaces<'a>(field: &'a Field<'a>, values: &[f64], chosen: usize) -> Result<Vec<(f64, Surface<'a>)>, Error> {
+fn surfaces<'a>(field: &'a Field<'a>, values: &[f64], chosen: usize) -> Result<Vec<(f64, Isosurface<'a>)>, Error> {
     let [least, greatest] = field.extremes().unwrap_or([f64::NAN; 2]);
     if values.len() > MAX_SURFACES {
         return Err(Error::TooManySurfaces { values: values.len(), most: MAX_SURFACES });
@@ -117,7 +117,7 @@ fn surfaces<'a>(field: &'a Field<'a>, values: &[f64], chosen: usize) -> Result<V
         return Err(Error::NoSurface { value: least, least, greatest });
     }
     let surface = |value: f64| {
-        let surface = Surface::new(field, value);
+        let surface = Isosurface::new(field, value);
         if surface.area() > 0.0 { Ok((value, surface)) } else { Err(Error::NoSurface { value, least, greatest }) }
     };
     values.into_iter().map(surface).collect()

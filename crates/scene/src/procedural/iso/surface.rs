@@ -44,14 +44,14 @@ impl Triangle {
 
 /// The surface on which a field has a value. Its area is that of triangles that marching through tetrahedra gives; its
 /// points are on the trilinear interpolant.
-pub(super) struct Surface<'a> {
+pub(super) struct Isosurface<'a> {
     field: &'a Field<'a>,
     value: f64,
     /// Cells that the surface meets, with the area of it up to the end of each.
     cells: Vec<(usize, f64)>,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> Isosurface<'a> {
     /// Returns all cells, a layer of them at a time on each core.
     pub fn new(field: &'a Field<'a>, value: f64) -> Self {
         let [width, height, depth] = field.cells();
@@ -166,7 +166,7 @@ mod tests {
         let at = |i: usize| ((i % 5) + 2 * (i / 5 % 6) + 3 * (i / 30)) as f32;
         let volume = Volume { dims, values: (0..210).map(at).collect() };
         let field = Field::new(&volume);
-        let surface = Surface::new(&field, 4.5);
+        let surface = Isosurface::new(&field, 4.5);
         // Cut off from the corner: an edge of the triangle ends at z = 1.5, the others at y = 2.25, and x = 4 cuts its
         // tip at 4.5.
         let full = 0.5 * 4.5 * 2.25 * 1.5;
@@ -181,11 +181,11 @@ mod tests {
             let point = surface.point(&mut random);
             assert!((point.dot(DVec3::new(1.0, 2.0, 3.0)) - 4.5).abs() < 1e-6, "{point}");
         }
-        assert_eq!(Surface::new(&field, 40.0).area(), 0.0);
+        assert_eq!(Isosurface::new(&field, 40.0).area(), 0.0);
         // NaN values have no surface around them.
         let mut hurt = volume.clone();
         hurt.values[0] = f32::NAN;
         let field = Field::new(&hurt);
-        assert!(Surface::new(&field, 0.5).area() == 0.0, "all of it would be in the first cell");
+        assert!(Isosurface::new(&field, 0.5).area() == 0.0, "all of it would be in the first cell");
     }
 }

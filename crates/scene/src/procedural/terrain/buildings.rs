@@ -7,7 +7,7 @@ use super::land::Land;
 use super::light::Tone;
 use super::posts::Post;
 use super::solids::{BRIDGE, Front, Roof, Solid};
-use super::town::{Block, Lot, STREET, church_uv, layer};
+use super::town::{Lot, STREET, TownBlock, church_uv, layer};
 
 /// Key of the hashes of cars.
 const CAR: i64 = 80;
@@ -36,7 +36,7 @@ fn pick<const N: usize>(tones: &[[f64; 3]; N], hash: f64) -> Tone {
 }
 
 /// Returns the bodies of a block: houses with chimneys, the church, parked cars.
-pub(super) fn solids(land: &Land, block: &Block) -> Vec<Solid> {
+pub(super) fn solids(land: &Land, block: &TownBlock) -> Vec<Solid> {
     let mut solids: Vec<Solid> = block.lots(land).flat_map(|lot| house(land, block.town, &lot)).collect();
     if block.is_square() {
         solids.extend(church(land, block.town));
@@ -103,7 +103,7 @@ fn church(land: &Land, town: [i64; 2]) -> [Solid; 2] {
 }
 
 /// A car at the side of one of the two streets of a block, as a body and a cabin.
-fn car(land: &Land, block: &Block, slot: i64) -> [Solid; 2] {
+fn car(land: &Land, block: &TownBlock, slot: i64) -> [Solid; 2] {
     let hash = |what: i64| block.hash(land, slot, CAR + what);
     let along = 8.0 + 5.6 * (slot / 2) as f64 + hash(1);
     let along_u = slot % 2 == 0;
@@ -136,7 +136,7 @@ fn car(land: &Land, block: &Block, slot: i64) -> [Solid; 2] {
 }
 
 /// Lamps along a block's streets.
-pub(super) fn lamps(land: &Land, block: &Block) -> Vec<Post> {
+pub(super) fn lamps(land: &Land, block: &TownBlock) -> Vec<Post> {
     let places = [DVec2::new(10.0, 3.6), DVec2::new(35.0, 3.6), DVec2::new(3.6, 27.0)];
     let lamp = |offset: DVec2| {
         let at = land.position(block.low() + offset, block.town);

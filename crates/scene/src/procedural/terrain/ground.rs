@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::land::{Land, Place};
+use super::land::{Land, StreetPlace};
 use super::light::Tone;
 use super::town;
 
@@ -45,7 +45,7 @@ pub(super) struct Parcel {
 }
 
 /// Returns the cover at a position.
-pub(super) fn cover(land: &Land, p: DVec2, place: &Place) -> Cover {
+pub(super) fn cover(land: &Land, p: DVec2, place: &StreetPlace) -> Cover {
     let from_bank = place.river.abs() - land.river;
     if from_bank < 0.0 {
         return Cover::Water;
@@ -74,7 +74,7 @@ pub(super) fn cover(land: &Land, p: DVec2, place: &Place) -> Cover {
 }
 
 /// The parcel of a place; some lie fallow as meadows.
-fn parcel(land: &Land, place: &Place) -> Cover {
+fn parcel(land: &Land, place: &StreetPlace) -> Cover {
     let size = DVec2::new(86.0, 54.0);
     let row = (place.uv.y / size.y).floor();
     let key = [place.town[0] * 1000 + row as i64, place.town[1]];
@@ -112,7 +112,7 @@ pub(super) fn growth(cover: Cover) -> f64 {
 }
 
 /// Returns the color of a cover before light, where points are `spacing` meters apart.
-pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover, spacing: f64) -> Tone {
+pub(super) fn tone(land: &Land, p: DVec2, place: &StreetPlace, cover: Cover, spacing: f64) -> Tone {
     let coarse = land.noise(p / 31.0, layer::PATCHES);
     let fine = land.noise(p / 4.5, layer::PATCHES + 1);
     let mix = |a: Tone, b: Tone, share: f64| a.lerp(b, share.clamp(0.0, 1.0));
@@ -133,7 +133,7 @@ pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover, spacing: 
 
 /// Asphalt with a dashed line in the middle of main roads and light lines at their edges, if points are close enough to
 /// show them.
-fn road(place: &Place, fine: f64, spacing: f64) -> Tone {
+fn road(place: &StreetPlace, fine: f64, spacing: f64) -> Tone {
     let across = place.uv.x.abs();
     let dash = across < 0.12 && (place.uv.y / 6.0).rem_euclid(1.0) < 0.5;
     let edge = (across - (ROAD - 0.35)).abs() < 0.1;
@@ -145,14 +145,14 @@ fn road(place: &Place, fine: f64, spacing: f64) -> Tone {
 }
 
 /// Slabs of 1.5 m.
-fn plaza(land: &Land, place: &Place) -> Tone {
+fn plaza(land: &Land, place: &StreetPlace) -> Tone {
     let slab = (place.uv / 1.5).floor();
     let tone = land.hash(slab.x as i64, slab.y as i64, layer::PATCHES + 2);
     Tone::new(190.0, 178.0, 160.0) * (0.92 + 0.14 * tone)
 }
 
 /// Crops in rows along v, with a green margin.
-fn field(place: &Place, parcel: Parcel) -> Tone {
+fn field(place: &StreetPlace, parcel: Parcel) -> Tone {
     if parcel.edge < 1.2 {
         return Tone::new(112.0, 140.0, 66.0);
     }

@@ -39,7 +39,7 @@ pub(super) struct Land {
 
 /// A position as streets see it: their coordinates, counted from the crossing of roads that the nearest town stands at.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct StreetPlace {
     /// Place across the main road, and along it.
     pub(super) uv: DVec2,
     /// Cell of the grid of towns.
@@ -98,7 +98,7 @@ impl Land {
     }
 
     /// Returns a position in the coordinates of streets.
-    pub(super) fn place(&self, p: DVec2) -> Place {
+    pub(super) fn place(&self, p: DVec2) -> StreetPlace {
         let [cos, sin] = TURN;
         let turned = DVec2::new(cos * p.x + sin * p.y, cos * p.y - sin * p.x);
         let u = turned.x + self.bend_u(turned.y);
@@ -107,7 +107,7 @@ impl Land {
         let town = (all / PERIOD).round();
         let uv = all - PERIOD * town;
         let town = [town.x as i64, town.y as i64];
-        Place { uv, town, river: self.river_gap(uv, town) }
+        StreetPlace { uv, town, river: self.river_gap(uv, town) }
     }
 
     /// Returns the position of a place.
@@ -144,7 +144,7 @@ impl Land {
     }
 
     /// 0 in the bottom of a valley, 1 among the hills.
-    pub(super) fn upland(&self, place: &Place) -> f64 {
+    pub(super) fn upland(&self, place: &StreetPlace) -> f64 {
         let [low, high] = self.valley;
         smooth((place.river.abs() - low) / (high - low))
     }

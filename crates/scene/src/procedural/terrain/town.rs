@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::ground::Cover;
-use super::land::{Land, Place};
+use super::land::{Land, StreetPlace};
 
 /// Distances of streets along u and v, from the middle of one to that of the next; half their width without and with
 /// pavements. Meters.
@@ -22,7 +22,7 @@ pub(super) mod layer {
 
 /// A block of a town.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Block {
+pub(super) struct TownBlock {
     pub(super) town: [i64; 2],
     pub(super) at: [i64; 2],
 }
@@ -41,8 +41,8 @@ pub(super) struct Lot {
     pub(super) key: [i64; 2],
 }
 
-impl Block {
-    fn around(place: &Place) -> Self {
+impl TownBlock {
+    fn around(place: &StreetPlace) -> Self {
         let at = (place.uv / BLOCK).floor();
         Self { town: place.town, at: [at.x as i64, at.y as i64] }
     }
@@ -104,11 +104,11 @@ impl Block {
 }
 
 /// Returns what covers a place of a town; `None` outside.
-pub(super) fn cover(land: &Land, place: &Place) -> Option<Cover> {
+pub(super) fn cover(land: &Land, place: &StreetPlace) -> Option<Cover> {
     if place.uv.length() > 1.2 * land.town_radius(place.town) + BLOCK.length() {
         return None;
     }
-    let block = Block::around(place);
+    let block = TownBlock::around(place);
     let inside = place.uv - block.low();
     let built = block.is_built(land);
     // The block across the nearest street has a share in it.
@@ -135,8 +135,8 @@ pub(super) fn cover(land: &Land, place: &Place) -> Option<Cover> {
 }
 
 /// Returns `true` if a tree with a crown of this radius has room in a town: not in a house.
-pub(super) fn has_room(land: &Land, place: &Place, radius: f64) -> bool {
-    let block = Block::around(place);
+pub(super) fn has_room(land: &Land, place: &StreetPlace, radius: f64) -> bool {
+    let block = TownBlock::around(place);
     let church = church_uv();
     let mut taken = block.lots(land).map(|lot| (lot.uv, lot.half)).collect::<Vec<_>>();
     if block.is_square() {
@@ -146,7 +146,7 @@ pub(super) fn has_room(land: &Land, place: &Place, radius: f64) -> bool {
 }
 
 /// Returns the built blocks that a circle may touch.
-pub(super) fn blocks(land: &Land, center: DVec2, radius: f64) -> Vec<Block> {
+pub(super) fn blocks(land: &Land, center: DVec2, radius: f64) -> Vec<TownBlock> {
     let place = land.place(center);
     // Streets are bent: some meters more.
     let reach = DVec2::splat(1.15 * radius + 8.0);
@@ -156,7 +156,7 @@ pub(super) fn blocks(land: &Land, center: DVec2, radius: f64) -> Vec<Block> {
     let (low, high) = (((place.uv - reach) / BLOCK).floor(), ((place.uv + reach) / BLOCK).floor());
     let columns = low.x as i64..=high.x as i64;
     let all = columns.flat_map(|x| (low.y as i64..=high.y as i64).map(move |y| [x, y]));
-    all.map(|at| Block { town: place.town, at }).filter(|block| block.is_built(land)).collect()
+    all.map(|at| TownBlock { town: place.town, at }).filter(|block| block.is_built(land)).collect()
 }
 
 /// Returns the middle and half lengths of the nave and of the tower, on the square.

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::super::random::{Random, unit_circle};
 use super::ground::{Cover, cover};
-use super::land::{Land, Place, smooth};
+use super::land::{Land, StreetPlace, smooth};
 use super::light::Tone;
 use super::posts::Post;
 use super::town;
@@ -19,7 +19,7 @@ mod layer {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
+enum TreeKind {
     /// Round crowns of lobes.
     Broad,
     Birch,
@@ -36,7 +36,7 @@ pub(super) struct Tree {
     height: f64,
     /// Radius of the crown, around the trunk.
     pub(super) radius: f64,
-    kind: Kind,
+    kind: TreeKind,
     tone: Tone,
     /// Balls that leaves are in: middle and radius.
     lobes: [(DVec3, f64); 7],
@@ -51,21 +51,21 @@ pub(super) struct Leaf {
 }
 
 impl Tree {
-    fn new(land: &Land, at: DVec2, kind: Kind, size: f64, key: [i64; 2]) -> Self {
+    fn new(land: &Land, at: DVec2, kind: TreeKind, size: f64, key: [i64; 2]) -> Self {
         let hash = |what: i64| land.hash(key[0], key[1], layer::TREE + 8 + what);
         let foot = at.extend(land.height(at));
         let (height, slim) = match kind {
-            Kind::Broad => (size * (9.0 + 7.0 * hash(0)), 0.33),
-            Kind::Birch => (size * (9.0 + 5.0 * hash(0)), 0.2),
-            Kind::Spruce => (size * (11.0 + 10.0 * hash(0)), 0.19),
-            Kind::Bush => (size * (1.4 + 2.0 * hash(0)), 0.62),
+            TreeKind::Broad => (size * (9.0 + 7.0 * hash(0)), 0.33),
+            TreeKind::Birch => (size * (9.0 + 5.0 * hash(0)), 0.2),
+            TreeKind::Spruce => (size * (11.0 + 10.0 * hash(0)), 0.19),
+            TreeKind::Bush => (size * (1.4 + 2.0 * hash(0)), 0.62),
         };
         let radius = (slim * height * (0.85 + 0.3 * hash(1))).min(0.95 * CELL);
         let leaves = match kind {
-            Kind::Broad => Tone::new(86.0, 124.0, 50.0).lerp(Tone::new(142.0, 150.0, 62.0), hash(2) * hash(2)),
-            Kind::Birch => Tone::new(142.0, 164.0, 76.0),
-            Kind::Spruce => Tone::new(76.0, 114.0, 76.0),
-            Kind::Bush => Tone::new(104.0, 136.0, 62.0),
+            TreeKind::Broad => Tone::new(86.0, 124.0, 50.0).lerp(Tone::new(142.0, 150.0, 62.0), hash(2) * hash(2)),
+            TreeKind::Birch => Tone::new(142.0, 164.0, 76.0),
+            TreeKind::Spruce => Tone::new(76.0, 114.0, 76.0),
+            TreeKind::Bush => Tone::new(104.0, 136.0, 62.0),
         };
         let tone = leaves * (0.86 + 0.28 * hash(3));
         let mut tree = Self { foot, height, radius, kind, tone, lobes: [(foot, 0.0); 7] };
@@ -75,7 +75,7 @@ impl Tree {
 
     /// A lobe at the top of the crown, the others around its middle.
     fn grow(&mut self, hash: impl Fn(i64) -> f64) {
-        let low = if self.kind == Kind::Bush { 0.3 } else { 0.55 };
+        let low = if self.kind == TreeKind::Bush { 0.3 } else { 0.55 };
         let turn = hash(4);
         for (i, lobe) in self.lobes.iter_mut().enumerate() {
             let i = i as i64;
@@ -95,7 +95,7 @@ impl Tree {
     /// The lowest leaves.
     fn low(&self) -> f64 {
         match self.kind {
-            Kind::Spruce => self.foot.z + 0.1 * self.height,
+            TreeKind::Spruce => self.foot.z + 0.1 * self.height,
             _ => self.lobes.iter().map(|(center, radius)| center.z - radius).fold(f64::INFINITY, f64::min),
         }
     }
@@ -104,13 +104,14 @@ impl Tree {
     pub(super) fn covers(&self, p: DVec2) -> bool {
         let d2 = p.distance_squared(self.foot.truncate());
         d2 < self.radius * self.radius
-            && (self.kind == Kind::Spruce || self.lobes.iter().any(|(c, r)| c.truncate().distance_squared(p) < r * r))
+            && (self.kind == TreeKind::Spruce
+                || self.lobes.iter().any(|(c, r)| c.truncate().distance_squared(p) < r * r))
     }
 
     /// Returns `true` if a position is within the crown.
     pub(super) fn shades(&self, p: DVec3) -> bool {
         match self.kind {
-            Kind::Spruce => p.truncate().distance(self.foot.truncate()) < 0.8 * self.cone_radius(p.z),
+            TreeKind::Spruce => p.truncate().distance(self.foot.truncate()) < 0.8 * self.cone_radius(p.z),
             _ => self.lobes.iter().any(|(center, radius)| center.distance_squared(p) < 0.8 * radius * radius),
         }
     }
@@ -126,7 +127,7 @@ impl Tree {
 
     /// Returns a leaf over a position that the crown covers.
     pub(super) fn leaf(&self, p: DVec2, random: &mut Random) -> Option<Leaf> {
-        let (z, out) = if self.kind == Kind::Spruce { self.needle(p, random) } else { self.lobe_leaf(p, random)? };
+        let (z, out) = if self.kind == TreeKind::Spruce { self.needle(p, random) } else { self.lobe_leaf(p, random)? };
         let normal = (out + 0.55 * random.direction()).normalize_or(DVec3::Z);
         let low = self.low();
         Some(Leaf { z, normal, up: ((z - low) / (self.top() - low)).clamp(0.0, 1.0) })
@@ -161,12 +162,12 @@ impl Tree {
     /// Returns its trunk, as far up as it is bare or seen through leaves.
     pub(super) fn trunk(&self) -> Option<Post> {
         let bark = match self.kind {
-            Kind::Bush => return None,
-            Kind::Birch => Tone::new(214.0, 210.0, 200.0),
-            Kind::Broad => Tone::new(112.0, 92.0, 74.0),
-            Kind::Spruce => Tone::new(110.0, 82.0, 64.0),
+            TreeKind::Bush => return None,
+            TreeKind::Birch => Tone::new(214.0, 210.0, 200.0),
+            TreeKind::Broad => Tone::new(112.0, 92.0, 74.0),
+            TreeKind::Spruce => Tone::new(110.0, 82.0, 64.0),
         };
-        let height = if self.kind == Kind::Spruce { 0.3 } else { 0.5 } * self.height;
+        let height = if self.kind == TreeKind::Spruce { 0.3 } else { 0.5 } * self.height;
         let radius = 0.012 * self.height + 0.03;
         Some(Post { foot: self.foot, height, radius, tone: bark, head: None, class: 5 })
     }
@@ -196,31 +197,35 @@ fn candidate(land: &Land, cell: [i64; 2]) -> Option<Tree> {
 }
 
 /// Returns what grows at a place, by chance, and how large in comparison with others.
-fn kind(land: &Land, p: DVec2, place: &Place, chance: f64, which: f64) -> Option<(Kind, f64)> {
-    let or_bush = |tree: Kind, share: f64| if which < share { (tree, 0.75) } else { (Kind::Bush, 1.0) };
+fn kind(land: &Land, p: DVec2, place: &StreetPlace, chance: f64, which: f64) -> Option<(TreeKind, f64)> {
+    let or_bush = |tree: TreeKind, share: f64| if which < share { (tree, 0.75) } else { (TreeKind::Bush, 1.0) };
     let grows = match cover(land, p, place) {
         Cover::Forest => (chance < 0.94).then(|| (stand(land, p, place, which), 1.0)),
-        Cover::Shore => (chance < 0.5).then(|| or_bush(Kind::Broad, 0.35)),
-        Cover::Meadow => (chance < 0.025).then(|| or_bush(Kind::Broad, 0.5)),
-        Cover::Field(parcel) => (parcel.hedge && parcel.edge < 3.0 && chance < 0.8).then(|| or_bush(Kind::Broad, 0.3)),
-        Cover::Park => (chance < 0.4).then(|| or_bush(Kind::Broad, 0.8)),
-        Cover::Yard => (chance < 0.35).then(|| or_bush(if which < 0.1 { Kind::Birch } else { Kind::Broad }, 0.45)),
-        Cover::Plaza => (chance < 0.08).then_some((Kind::Broad, 0.7)),
+        Cover::Shore => (chance < 0.5).then(|| or_bush(TreeKind::Broad, 0.35)),
+        Cover::Meadow => (chance < 0.025).then(|| or_bush(TreeKind::Broad, 0.5)),
+        Cover::Field(parcel) => {
+            (parcel.hedge && parcel.edge < 3.0 && chance < 0.8).then(|| or_bush(TreeKind::Broad, 0.3))
+        }
+        Cover::Park => (chance < 0.4).then(|| or_bush(TreeKind::Broad, 0.8)),
+        Cover::Yard => {
+            (chance < 0.35).then(|| or_bush(if which < 0.1 { TreeKind::Birch } else { TreeKind::Broad }, 0.45))
+        }
+        Cover::Plaza => (chance < 0.08).then_some((TreeKind::Broad, 0.7)),
         Cover::Water | Cover::Road | Cover::Pavement => None,
     };
     let built = matches!(cover(land, p, place), Cover::Yard | Cover::Plaza);
-    grows.filter(|(kind, _)| !built || town::has_room(land, place, if *kind == Kind::Bush { 1.5 } else { 3.0 }))
+    grows.filter(|(kind, _)| !built || town::has_room(land, place, if *kind == TreeKind::Bush { 1.5 } else { 3.0 }))
 }
 
 /// The kind of a tree in a forest: spruces higher up, birches here and there.
-fn stand(land: &Land, p: DVec2, place: &Place, which: f64) -> Kind {
+fn stand(land: &Land, p: DVec2, place: &StreetPlace, which: f64) -> TreeKind {
     let patches = land.noise(p / 85.0, layer::STANDS) + 0.5 * land.noise(p / 26.0, layer::STANDS + 1);
     let spruce = smooth(0.5 + 1.3 * patches + 0.8 * (land.upland(place) - 0.6));
     if which < 0.08 {
-        Kind::Birch
+        TreeKind::Birch
     } else if which < 0.08 + 0.88 * spruce {
-        Kind::Spruce
+        TreeKind::Spruce
     } else {
-        Kind::Broad
+        TreeKind::Broad
     }
 }

@@ -1,7 +1,7 @@
 use glam::Vec3;
 
 use super::*;
-use crate::supply::{Branch, Held};
+use crate::supply::{Branch, HeldPoints};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
 
@@ -22,8 +22,8 @@ fn points(positions: Vec<DVec3>) -> Points {
     }
 }
 
-fn picture<'a>(blocks: &'a [u32], shows: &'a (dyn Fn(DVec3) -> bool + Sync), seed: u64) -> Picture<'a> {
-    Picture { scale: Scale::new(&camera(), 100), blocks, shows, nowhere: -DVec3::X, seed }
+fn picture<'a>(blocks: &'a [u32], shows: &'a (dyn Fn(DVec3) -> bool + Sync), seed: u64) -> CutPicture<'a> {
+    CutPicture { scale: Scale::new(&camera(), 100), blocks, shows, nowhere: -DVec3::X, seed }
 }
 
 /// Points in memory as nodes of a tree.
@@ -117,7 +117,7 @@ fn points_without_levels_come_in_a_random_order() {
         (0..20_000).map(move |i| 0.1 * DVec3::new(10.0 * x, f64::from(i % 200) - 100.0, f64::from(i / 200) - 50.0))
     };
     let all: Vec<DVec3> = plane(5.0).chain(plane(20.0)).collect();
-    let held: Arc<dyn Supply> = Arc::new(Held::new(Arc::new(points(all.clone()))));
+    let held: Arc<dyn Supply> = Arc::new(HeldPoints::new(Arc::new(points(all.clone()))));
     let numbers: Vec<u32> = (0..held.blocks().len() as u32).collect();
     // The middle of the planes alone, whose distance is nearly that along x.
     let shows = |p: DVec3| p.y.abs() < 1.0 && p.z.abs() < 1.0;
@@ -162,7 +162,7 @@ fn points_without_levels_come_in_a_random_order() {
 
 #[test]
 fn points_in_one_place_have_no_levels() {
-    let held: Arc<dyn Supply> = Arc::new(Held::new(Arc::new(points(vec![DVec3::X; 9]))));
+    let held: Arc<dyn Supply> = Arc::new(HeldPoints::new(Arc::new(points(vec![DVec3::X; 9]))));
     let cut = |spacing_px, max_points| {
         let limits = Limits { spacing_px, max_points };
         Cut::new(Arc::clone(&held), 0.0, &limits, &picture(&[0], &|_| true, 0), &Progress::hidden())

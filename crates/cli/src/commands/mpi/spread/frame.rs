@@ -8,7 +8,7 @@ use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::portion::{Portion, joined};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_scene::supply::Held;
+use pellucid_scene::supply::HeldPoints;
 
 use super::super::cut::is_empty;
 use super::super::ranks::Ranks;
@@ -89,7 +89,7 @@ impl Own<'_> {
         let parts = exchanged(ranks, windows, self.portion, beam, PIECE);
         let parts = parts.unwrap_or_else(|error| ranks.fail(&format!("points of another rank: {error}"), 1));
         let Some(bounds) = self.sample.bounds().filter(|_| !parts.is_empty()) else { return };
-        self.cloud.supply_by(Arc::new(Held::new(Arc::new(joined(parts, &bounds)))));
+        self.cloud.supply_by(Arc::new(HeldPoints::new(Arc::new(joined(parts, &bounds)))));
     }
 
     /// Renders a region. Of an empty one there is an image, too.

@@ -17,7 +17,7 @@ use pellucid_core::points::Points;
 use pellucid_core::progress::Phase;
 use pellucid_engine::{Result, methods, passes};
 use pellucid_scene::prepare::{Arranged, Supplied};
-use pellucid_scene::supply::Held;
+use pellucid_scene::supply::HeldPoints;
 use pellucid_scene::{Error, MethodChoice};
 use pellucid_session::{Prepared, Session};
 
@@ -76,7 +76,7 @@ pub fn open(
     match session.assembled().stored() {
         Some(stored) => stored.forget(),
         None => {
-            let supply = Arc::new(Held::new(Arc::default()));
+            let supply = Arc::new(HeldPoints::new(Arc::default()));
             session.prepared.assembled.replace(Arranged::Supplied(Supplied { supply, sample, dealt: None }));
         }
     }
@@ -126,7 +126,7 @@ fn supplied_from_nowhere(sample: &Arc<Points>) -> Arranged {
 }
 
 /// Streams a single point of the scene, for regions in which no point shows.
-fn nowhere(sample: &Points) -> Held {
+fn nowhere(sample: &Points) -> HeldPoints {
     let first: Vec<u32> = (0..sample.len().min(1) as u32).collect();
-    Held::new(Arc::new(Points { unseen: Arc::default(), whole: None, ..sample.subset(&first, 1.0) }))
+    HeldPoints::new(Arc::new(Points { unseen: Arc::default(), whole: None, ..sample.subset(&first, 1.0) }))
 }

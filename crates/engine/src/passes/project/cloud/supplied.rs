@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::gpu::{Device, Error, Memory};
 use crate::points::Points;
 use crate::progress::Progress;
-use crate::supply::{self, Cut, Failure, Keep, Limits, Picture, Scale, Supply, each};
+use crate::supply::{self, Cut, CutPicture, Failure, Keep, Limits, Scale, Supply, each};
 
 /// Source of the points of a cloud, and those of them that are on the device.
 pub(super) struct Supplied {
@@ -112,7 +112,7 @@ impl DeviceCloud {
         let CutFor { limits, camera, size, seed } = *wanted;
         let beam = Beam::new(&camera, size, [0, 0, size[0], size[1]], PointExtent::pixels(0.0));
         let behind = camera.near - camera.near.abs().max(camera.far - camera.near);
-        let picture = Picture {
+        let picture = CutPicture {
             scale: Scale::new(&camera, size[1]),
             blocks: &beam.pick(supplied.whole.blocks()),
             shows: &|position| beam.meets_point(position, 0.0),
