@@ -10,7 +10,7 @@ use super::along::{Along, PathArgs};
 use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
-use super::measured::Measured;
+use super::measured::FrameProfiles;
 use super::options::{DeviceArgs, MeasureArgs, one_of};
 
 #[derive(Debug, Args)]
