@@ -88,7 +88,7 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
     }
     session.renderer.recycle(first.image);
     progress.counted("measuring", cameras.len() as u64);
-    let mut measured = Measured::default();
+    let mut measured = FrameProfiles::default();
     let moves = args.along.option().is_some();
     for (number, camera) in cameras.iter().enumerate() {
         session.frame.camera = *camera;
