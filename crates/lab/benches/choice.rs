@@ -20,7 +20,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::{Device, DeviceOptions};
-use pellucid_lab::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
+use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options, Row, Tradeoff};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{self as scene, Overrides, Scene, procedural};
 use pellucid_session::candidates::Ladders;
@@ -64,14 +64,14 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
     let start = Instant::now();
     let table = search(
         device,
-        &Subject { arranged: &arranged, frame, background: scene.image.background, scene: name, cameras: &[] },
+        &MeasuredScene { arranged: &arranged, frame, background: scene.image.background, scene: name, cameras: &[] },
     )?;
     let (settings, seconds) = (table.rows.len(), start.elapsed().as_secs());
     println!("\n== {name} {keys:?}: {settings} settings searched in {seconds} s");
     choices(device, &arranged, &scene, frame, &table)
 }
 
-fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
+fn search(device: &Device, subject: &MeasuredScene<'_>) -> Result<Tradeoff> {
     let seconds = std::env::var("PELLUCID_BENCH_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(240.0);
     let options = Options {
         ladders: Ladders::FINE,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use pellucid_engine::methods::{Frame, Stop};
 use pellucid_engine::profile::{self, Profile};
 use pellucid_io::output;
-use pellucid_lab::report::tradeoff::{self, Options, Subject};
+use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options};
 use pellucid_session::candidates::{self, Formation, Ladders};
 use pellucid_session::{Messages, Session};
 use pyo3::prelude::*;
@@ -116,7 +116,7 @@ pub fn tradeoff(
         ..session.frame
     };
     let background = scene.image.background;
-    let subject = Subject {
+    let subject = MeasuredScene {
         arranged: session.assembled().arranged(),
         frame,
         background,

@@ -52,11 +52,11 @@ pub struct Case {
     pub name: String,
     /// A description of the computation, and of the known answer.
     pub about: &'static str,
-    run: Run,
+    run: CaseCheck,
 }
 
 type CaseResult = Result<Finding>;
-type Run = Box<dyn Fn(&mut Stage) -> Verdict>;
+type CaseCheck = Box<dyn Fn(&mut Stage) -> Verdict>;
 
 /// All cases, family by family. No two have the same name.
 pub fn cases() -> Vec<Case> {

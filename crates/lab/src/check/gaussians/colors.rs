@@ -7,7 +7,7 @@ use super::super::discs::roundings;
 use super::super::stage::HALF_ULP;
 use super::alone::Shares;
 use super::shapes::some;
-use super::splats::{Splat, View, cloud, part};
+use super::splats::{Splat, SplatView, cloud, part};
 use super::{CaseResult, before};
 use pellucid_core::camera::Camera;
 use pellucid_engine::Result;
@@ -26,7 +26,7 @@ const TERM: f64 = 112.0;
 fn compared(
     stage: &mut Stage,
     method: Method,
-    view: &View,
+    view: &SplatView,
     splats: &[Splat],
     off: impl Fn(&Splat, usize) -> f64,
     naive: impl Fn(&Splat) -> DVec3,
@@ -57,7 +57,8 @@ fn compared(
 pub(super) fn harmonics(stage: &mut Stage, method: Method) -> CaseResult {
     let offset = DVec3::new(4_478_000.25, 5_413_000.5, 431.125);
     let camera = before(2.0, 60.0);
-    let view = View::new(Camera { eye: camera.eye + offset, ..camera }, [32, 24], GaussianSettings::default(), &method);
+    let view =
+        SplatView::new(Camera { eye: camera.eye + offset, ..camera }, [32, 24], GaussianSettings::default(), &method);
     let coefficient = |i: u32, k: u32| Vec3::from_array([0, 1, 2].map(|c| 0.3 * part(40 * i + k, 50 + c) as f32));
     let colored = |(splat, i): (Splat, u32)| Splat {
         position: splat.position + offset,
@@ -82,7 +83,7 @@ pub(super) fn harmonics(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 pub(super) fn beyond(stage: &mut Stage, method: Method) -> CaseResult {
-    let view = View::new(before(5.0, 45.0), [32, 24], GaussianSettings::default(), &method);
+    let view = SplatView::new(before(5.0, 45.0), [32, 24], GaussianSettings::default(), &method);
     let bases = [Vec3::new(3.0, -1.0, 0.5), Vec3::new(1e4, 0.25, -1e4), Vec3::new(-1e-30, 1.5, 0.0)].into_iter();
     let splats: Vec<Splat> =
         some(3, Vec3::splat(0.3), 0.5).into_iter().zip(bases).map(|(splat, base)| Splat { base, ..splat }).collect();

@@ -6,7 +6,7 @@ use super::super::discs::roundings;
 use super::super::stage::{HALF_ULP, apart, at, pixels};
 use super::super::{Finding, Stage};
 use super::CaseResult;
-use super::splats::{Splat, View, cloud};
+use super::splats::{Splat, SplatView, cloud};
 use pellucid_engine::Result;
 use pellucid_scene::{GaussianSettings, Kernel, Method};
 
@@ -17,7 +17,7 @@ const DEPTH: f64 = 28.0;
 /// The only pixel, whose ray goes through all centers.
 fn pixel(stage: &mut Stage, method: Method, splats: &[Splat]) -> Result<[f32; 4]> {
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };
-    let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
+    let view = SplatView::new(pixels([1, 1]), [1, 1], settings, &method);
     Ok(stage.render(&cloud(splats), &view.frame(method))?.image.rgba[0])
 }
 
@@ -99,7 +99,7 @@ pub(super) fn around_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
 pub(super) fn georeferenced(stage: &mut Stage, method: Method) -> CaseResult {
     let offset = DVec3::new(4_478_000.0, 5_413_000.0, 431.0);
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };
-    let mut view = View::new(pixels([1, 1]), [1, 1], settings, &method);
+    let mut view = SplatView::new(pixels([1, 1]), [1, 1], settings, &method);
     view.camera.eye += offset;
     // They overlap in half of each.
     let all = [ball(5.0, 0.01, 0.75, Vec3::X), ball(5.01, 0.01, 0.75, Vec3::Y)];

@@ -9,7 +9,7 @@ use super::super::stage::{HALF_ULP, apart, at, composed, dot, perspective, pixel
 use super::super::{Finding, Stage};
 use super::alone::Shares;
 use super::shapes::{KERNELS, by, in_both, some};
-use super::splats::{Splat, View, cloud};
+use super::splats::{Splat, SplatView, cloud};
 use super::{CaseResult, before};
 use pellucid_engine::Result;
 use pellucid_scene::{GaussianSettings, Method};
@@ -24,7 +24,7 @@ fn beyond_three(
     splats: &[Splat],
     least: usize,
 ) -> CaseResult {
-    let by = |kernel| View::new(before(5.0, 45.0), SIZE, GaussianSettings { kernel, ..settings }, &method);
+    let by = |kernel| SplatView::new(before(5.0, 45.0), SIZE, GaussianSettings { kernel, ..settings }, &method);
     let cut = Formula { reach: Some(3.0), ..Formula::default() };
     in_both(stage, method, KERNELS.map(by), splats, least, |splat, view| projected(splat, view, &cut))
 }
@@ -59,7 +59,7 @@ pub(super) fn most_opacity(stage: &mut Stage, method: Method) -> CaseResult {
 /// White behind black layers. ρ is 0 in the middle of a pixel, so that opacities are those of the centers.
 fn shines_through(stage: &mut Stage, method: Method, alpha_max: f32, layers: &[f32], bound: f64) -> Result<Shares> {
     let settings = GaussianSettings { alpha_max, ..GaussianSettings::default() };
-    let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
+    let view = SplatView::new(pixels([1, 1]), [1, 1], settings, &method);
     let color = |i: usize| if i + 1 == layers.len() { Vec3::ONE } else { Vec3::ZERO };
     let depth = |i: usize| 1.0 + i as f64;
     let splat = |(i, opacity): (usize, &f32)| Splat {
@@ -86,7 +86,7 @@ pub(super) fn behind(stage: &mut Stage, method: Method) -> CaseResult {
     splats.extend([0.0, 1e-30, 1e-3, 0.49, 101.0, 1e9, 1e30].map(|z| splat(-z)));
     let (mut drawn, mut naive) = (0.0f64, f64::INFINITY);
     for kernel in KERNELS {
-        let view = View::new(camera, [9, 9], by(kernel), &method);
+        let view = SplatView::new(camera, [9, 9], by(kernel), &method);
         let image = stage.render(&cloud(&splats), &view.frame(method))?.image;
         let all = image.rgba.iter().flatten().chain(image.depth.iter().filter(|z| **z != f32::INFINITY));
         drawn = all.map(|c| if *c == 0.0 { 0.0 } else { 1.0 }).fold(drawn, f64::max);

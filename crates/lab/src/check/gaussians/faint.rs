@@ -5,7 +5,7 @@ use super::super::naive::over;
 use super::super::stage::{Dot, HALF_ULP, at, composed, dot, pixels};
 use super::super::{Finding, Stage};
 use super::CaseResult;
-use super::splats::{Splat, View, cloud};
+use super::splats::{Splat, SplatView, cloud};
 use glam::Vec3;
 use pellucid_engine::Result;
 use pellucid_scene::{GaussianSettings, Method};
@@ -16,7 +16,7 @@ const OPACITY: f32 = 1e-5;
 /// The pixel, in whose middle all centers are: ρ is 0 there, and each opacity that of the center.
 fn pixel(stage: &mut Stage, method: Method) -> Result<[f32; 4]> {
     let settings = GaussianSettings { alpha_min: 2e-6, ..GaussianSettings::default() };
-    let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
+    let view = SplatView::new(pixels([1, 1]), [1, 1], settings, &method);
     let splat = |i: u32| Splat { position: at(0, 0, depth(i)), opacity: OPACITY, ..Splat::default() };
     let points = cloud(&(0..COUNT).map(splat).collect::<Vec<_>>());
     Ok(stage.render(&points, &view.frame(method))?.image.rgba[0])

@@ -7,8 +7,8 @@ use super::super::stage::{self, Dot, at, bytes_apart, dot, pixels};
 use super::super::{Finding, Stage};
 use super::alone::Shares;
 use super::shapes::some;
-use super::splats::{Splat, View, cloud, part, turned, unordered};
-use super::together::Scene;
+use super::splats::{Splat, SplatView, cloud, part, turned, unordered};
+use super::together::Float64Scene;
 use super::{CaseResult, before};
 use pellucid_core::points::Points;
 use pellucid_scene::prepare::order;
@@ -35,7 +35,7 @@ fn tied() -> Vec<Splat> {
 }
 
 pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
-    let view = View::new(pixels([5, 5]), [5, 5], GaussianSettings::default(), &method);
+    let view = SplatView::new(pixels([5, 5]), [5, 5], GaussianSettings::default(), &method);
     let splats = tied();
     let mut other = splats.clone();
     other[..40].rotate_left(13);
@@ -62,10 +62,10 @@ pub(super) fn crossing(stage: &mut Stage, method: Method) -> CaseResult {
         ..Splat::default()
     };
     let points = cloud(&[0.6, -0.5, 0.1].iter().enumerate().map(plate).collect::<Vec<_>>());
-    let view = View::new(before(3.0, 30.0), [63, 48], ordered(Order::Pixel), &method);
-    let scene = Scene { view, points: &points, color: ColorSpace::Encoded };
+    let view = SplatView::new(before(3.0, 30.0), [63, 48], ordered(Order::Pixel), &method);
+    let scene = Float64Scene { view, points: &points, color: ColorSpace::Encoded };
     // In the order of their centers, everywhere.
-    let naive = Scene { view: View { settings: ordered(Order::Center), ..view }, ..scene };
+    let naive = Float64Scene { view: SplatView { settings: ordered(Order::Center), ..view }, ..scene };
     Ok(scene.compare(stage, method, &naive.pixels())?.finding())
 }
 
@@ -82,8 +82,8 @@ pub(super) fn by_centers(stage: &mut Stage, method: Method) -> CaseResult {
     let points = cloud(&places.iter().enumerate().map(splat).collect::<Vec<_>>());
     let camera = stage::perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.1, 100.0);
     let orders = [Order::Center, Order::Distance];
-    let view = |order| View::new(camera, [48, 36], ordered(order), &method);
-    let scene = |order| Scene { view: view(order), points: &points, color: ColorSpace::Encoded };
+    let view = |order| SplatView::new(camera, [48, 36], ordered(order), &method);
+    let scene = |order| Float64Scene { view: view(order), points: &points, color: ColorSpace::Encoded };
     let [center, distance] = orders.map(|order| scene(order).pixels());
     let shares = scene(Order::Center).compare(stage, method, &distance)?;
     Ok(shares.and(scene(Order::Distance).compare(stage, method, &center)?).finding())
@@ -109,8 +109,8 @@ pub(super) fn mixed(stage: &mut Stage, method: Method) -> CaseResult {
     all.append(discs.clone());
     let all = order::canonical(all);
     let splats = order::canonical(splats);
-    let view = View::new(before(5.0, 35.0), [64, 48], GaussianSettings::default(), &method);
-    let scene = |points| Scene { view, points, color: ColorSpace::Linear };
+    let view = SplatView::new(before(5.0, 35.0), [64, 48], GaussianSettings::default(), &method);
+    let scene = |points| Float64Scene { view, points, color: ColorSpace::Linear };
     // The picture of the splats over that of the discs.
     let over = |(front, back): ([f64; 4], [f64; 4])| std::array::from_fn(|c| front[c] + (1.0 - front[3]) * back[c]);
     let naive: Vec<[f64; 4]> = scene(&splats).pixels().into_iter().zip(scene(&discs).pixels()).map(over).collect();

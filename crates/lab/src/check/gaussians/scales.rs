@@ -6,7 +6,7 @@ use super::super::Stage;
 use super::super::naive::gaussians::{Formula, along_rays, projected};
 use super::alone::alone;
 use super::shapes::{KERNELS, by, by_both, in_both, some};
-use super::splats::{Splat, View};
+use super::splats::{Splat, SplatView};
 use super::{CaseResult, before};
 use pellucid_core::camera::Camera;
 use pellucid_scene::{GaussianSettings, Kernel, Method};
@@ -41,7 +41,7 @@ pub(super) fn far(stage: &mut Stage, method: Method) -> CaseResult {
     let splats: Vec<Splat> = some(6, Vec3::new(0.02, 0.01, 0.03), 0.1).into_iter().map(moved).collect();
     let camera = before(1.0, 20.0);
     let camera = Camera { eye: camera.eye + offset, ..camera };
-    let views = KERNELS.map(|kernel| View::new(camera, SIZE, by(kernel), &method));
+    let views = KERNELS.map(|kernel| SplatView::new(camera, SIZE, by(kernel), &method));
     // With positions in float32.
     in_both(stage, method, views, &splats, 300, |splat, view| match view.settings.kernel {
         Kernel::Ray => along_rays(splat, view),
@@ -53,11 +53,11 @@ pub(super) fn dilated(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = before(5.0, 45.0);
     let splats = some(2, Vec3::new(1e-4, 2e-4, 5e-4), 0.3);
     let large = GaussianSettings { dilation: 900.0, ..by(Kernel::Ewa) };
-    let view = View::new(camera, [256, 224], large, &method);
+    let view = SplatView::new(camera, [256, 224], large, &method);
     // An ellipse of three standard deviations.
     let cut = Formula { reach: Some(3.0), ..Formula::default() };
     let shares = alone(stage, method, &view, &splats, 10_000, |splat| projected(splat, &view, &cut))?;
-    let huge = View::new(camera, SIZE, GaussianSettings { dilation: 1e25, ..large }, &method);
+    let huge = SplatView::new(camera, SIZE, GaussianSettings { dilation: 1e25, ..large }, &method);
     // Opaque everywhere, and no formula fails.
     let other = alone(stage, method, &huge, &splats, 1000, |_| Vec::new())?;
     Ok(shares.larger(other).finding())
@@ -65,7 +65,7 @@ pub(super) fn dilated(stage: &mut Stage, method: Method) -> CaseResult {
 
 pub(super) fn subpixel(stage: &mut Stage, method: Method) -> CaseResult {
     let settings = GaussianSettings { antialias: true, ..by(Kernel::Ewa) };
-    let view = View::new(before(5.0, 45.0), SIZE, settings, &method);
+    let view = SplatView::new(before(5.0, 45.0), SIZE, settings, &method);
     // A pixel is a twelfth of a unit.
     let sizes = [3e-4f32, 3e-3, 1e-2, 3e-2, 9e-2].into_iter().zip(0..);
     let sized =
