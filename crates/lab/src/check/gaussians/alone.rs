@@ -6,7 +6,7 @@
 use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
 use super::super::stage::HALF_ULP;
-use super::super::{Finding, Stage};
+use super::super::{CaseRenderer, Finding};
 use super::splats::{Splat, SplatView, cloud};
 use pellucid_core::image::Image;
 use pellucid_engine::Result;
@@ -133,7 +133,7 @@ pub fn seen(image: &Image) -> Vec<Seen> {
 
 /// Renders Gaussians one by one. `least`: so many pixels of all of them must be clear, or nothing is known.
 pub fn alone(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
     view: &SplatView,
     splats: &[Splat],
@@ -146,7 +146,7 @@ pub fn alone(
 
 /// Renders Gaussians one by one as [`alone`] does, with expectations of the caller.
 pub fn compared(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
     view: &SplatView,
     splats: &[Splat],

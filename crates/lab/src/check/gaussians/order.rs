@@ -4,7 +4,7 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::super::naive::{bytes_apart as pixel_bytes, over};
 use super::super::stage::{self, Dot, at, bytes_apart, dot, pixels};
-use super::super::{Finding, Stage};
+use super::super::{CaseRenderer, Finding};
 use super::alone::Shares;
 use super::shapes::some;
 use super::splats::{Splat, SplatView, cloud, part, turned, unordered};
@@ -34,7 +34,7 @@ fn tied() -> Vec<Splat> {
     (0..80).map(splat).collect()
 }
 
-pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let view = SplatView::new(pixels([5, 5]), [5, 5], GaussianSettings::default(), &method);
     let splats = tied();
     let mut other = splats.clone();
@@ -52,7 +52,7 @@ pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive))
 }
 
-pub(super) fn crossing(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn crossing(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let plate = |(i, angle): (usize, &f32)| Splat {
         position: DVec3::new(0.0, 0.0, -1e-3 * i as f64),
         extents: Vec3::new(0.5, 0.5, 0.01),
@@ -69,7 +69,7 @@ pub(super) fn crossing(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(scene.compare(stage, method, &naive.pixels())?.finding())
 }
 
-pub(super) fn by_centers(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn by_centers(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // Farther to the side, nearer in depth, so that the two orders are opposite.
     let places = [(0.0, -5.0), (2.0, -4.9), (4.0, -4.5), (-3.5, -4.6)];
     let splat = |(i, (x, z)): (usize, &(f64, f64))| Splat {
@@ -103,7 +103,7 @@ fn both() -> (Points, Points) {
     (unordered(&splats.collect::<Vec<_>>()), stage::cloud(&(0..30).map(disc).collect::<Vec<_>>()))
 }
 
-pub(super) fn mixed(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn mixed(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let (splats, discs) = both();
     let mut all = splats.clone();
     all.append(discs.clone());

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Quat, Vec3};
 
-use super::super::Stage;
+use super::super::CaseRenderer;
 use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, Seen, along_rays, projected};
 use super::super::stage::{HALF_ULP, perspective};
@@ -45,7 +45,7 @@ fn sticks(extents: Vec3, spread: f64) -> Vec<Splat> {
     (0..6).map(stick).collect()
 }
 
-pub(super) fn needles(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn needles(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = Camera { projection: Projection::Orthographic { height: 4.8 }, ..before(5.0, 45.0) };
     let view = SplatView::new(camera, SIZE, GaussianSettings::default(), &method);
     let splats = sticks(Vec3::new(1e3, 1e-3, 1e-3), 0.5);
@@ -95,14 +95,14 @@ fn placed_depth(view: &SplatView, splat: &Splat) -> f64 {
     view.camera.to_view(splat.position).z
 }
 
-pub(super) fn by_ray(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn by_ray(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // A narrow view: needles that reach far in depth have rays of which roundings leave nothing.
     let view = SplatView::new(before(5.0, 0.045), SIZE, by(Kernel::Ray), &method);
     let splats = sticks(Vec3::new(1.0, 1e-4, 1e-4), 5e-4);
     Ok(alone(stage, method, &view, &splats, 300, |splat| along_rays(splat, &view))?.finding())
 }
 
-pub(super) fn plates(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn plates(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = before(5.0, 7.0);
     // Turned about the viewing axis, and tilted out of it.
     let plate = |i: u32| Splat {
@@ -115,14 +115,20 @@ pub(super) fn plates(stage: &mut Stage, method: Method) -> CaseResult {
     by_both(stage, method, camera, &(0..6).map(plate).collect::<Vec<_>>(), 300)
 }
 
-pub(super) fn flat(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn flat(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let splats = some(6, Vec3::new(0.5, 0.8, 0.0), 0.5);
     // The inverse of their covariance is none.
     by_both(stage, method, before(5.0, 45.0), &splats, 300)
 }
 
 /// Checks both kernels; the naive formula works along rays.
-pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats: &[Splat], least: usize) -> CaseResult {
+pub(super) fn by_both(
+    stage: &mut CaseRenderer,
+    method: Method,
+    camera: Camera,
+    splats: &[Splat],
+    least: usize,
+) -> CaseResult {
     let mut shares = Shares::NOTHING;
     for kernel in KERNELS {
         let view = SplatView::new(camera, SIZE, by(kernel), &method);
@@ -134,7 +140,7 @@ pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats:
 
 /// Checks the views of both kernels; a naive formula must fail in each.
 pub(super) fn in_both(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
     [ewa, rays]: [SplatView; 2],
     splats: &[Splat],
@@ -145,7 +151,7 @@ pub(super) fn in_both(
     Ok(shares.and(alone(stage, method, &rays, splats, least, |splat| naive(splat, &rays))?).finding())
 }
 
-pub(super) fn wide(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn wide(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = before(5.0, 60.0);
     let view = SplatView::new(camera, SIZE, GaussianSettings::default(), &method);
     let beside = |i: u32| Splat {
@@ -160,7 +166,7 @@ pub(super) fn wide(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(alone(stage, method, &view, &splats, 300, naive)?.finding())
 }
 
-pub(super) fn parallel(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn parallel(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = Camera { projection: Projection::Orthographic { height: 4.0 }, ..before(5.0, 45.0) };
     let splats = some(6, Vec3::new(0.6, 0.3, 0.05), 1.5);
     let of_perspective = Formula { perspective: true, ..Formula::default() };
@@ -168,7 +174,7 @@ pub(super) fn parallel(stage: &mut Stage, method: Method) -> CaseResult {
     in_both(stage, method, views, &splats, 300, |splat, view| projected(splat, view, &of_perspective))
 }
 
-pub(super) fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn through_the_eye(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
     let view = SplatView::new(camera, SIZE, by(Kernel::Ray), &method);
     let around = |splat: Splat| Splat { position: 0.5 * splat.position + DVec3::NEG_Z, ..splat };

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::super::Stage;
+use super::super::CaseRenderer;
 use super::super::discs::roundings;
 use super::super::stage::HALF_ULP;
 use super::splats::SplatView;
@@ -77,7 +77,7 @@ impl Float64Scene<'_> {
 
     /// Renders it and compares what is clear, of which there must be two thirds of the image; `naive` are the pixels of
     /// another formula.
-    pub fn compare(&self, stage: &mut Stage, method: Method, naive: &[[f64; 4]]) -> Result<Shares> {
+    pub fn compare(&self, stage: &mut CaseRenderer, method: Method, naive: &[[f64; 4]]) -> Result<Shares> {
         let frame = pellucid_engine::methods::Frame { color: self.color, ..self.view.frame(method) };
         let image = stage.render(self.points, &frame)?.image;
         let (wanted, bounds) = (self.pixels(), self.bounds(&method));
