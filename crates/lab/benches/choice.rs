@@ -89,7 +89,7 @@ fn search(device: &Device, subject: &MeasuredScene<'_>) -> Result<Tradeoff> {
 
 fn choices(device: &Device, arranged: &Arranged, scene: &Scene, frame: Frame, table: &Tradeoff) -> Result<()> {
     let mut cloud = Renderer::new(device)?.upload(arranged)?;
-    let subject = choice::Subject { arranged, frame, background: scene.image.background, only: None };
+    let subject = choice::ChoiceFrame { arranged, frame, background: scene.image.background, only: None };
     let exact = table.rows.iter().filter(|row| row.errors.rmse < choice::EXACT);
     let exact = exact.map(|row| row.gpu_ms.median).fold(f64::INFINITY, f64::min);
     let by_error = ERRORS.map(|error| Wish { max_error: Some(error), budget_ms: None });
