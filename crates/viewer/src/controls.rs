@@ -66,21 +66,21 @@ pub struct KeyControl {
 
 /// Properties of the shown points that determine the ranges of controls.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointExtent {
+pub struct ControlExtent {
     /// The diagonal of the points' box, in world units; above 0.
     pub diagonal: f64,
     /// The median radius of the soft points, in world units; 0 if there are none.
     pub median_radius: f32,
 }
 
-impl Default for PointExtent {
+impl Default for ControlExtent {
     fn default() -> Self {
         Self { diagonal: 1.0, median_radius: 0.0 }
     }
 }
 
 /// The control of a key; `None` for values without a control here, such as those of cameras and lights.
-pub fn entry(key: &Key, extent: PointExtent) -> Option<KeyControl> {
+pub fn entry(key: &Key, extent: ControlExtent) -> Option<KeyControl> {
     let control = control(key.kind, key.slider, extent)?;
     let start = match (control, key.slider) {
         (Control::Color, _) => Setting::Numbers(vec![1.0; 3]),
@@ -101,7 +101,7 @@ pub fn entry(key: &Key, extent: PointExtent) -> Option<KeyControl> {
     Some(KeyControl { control, value: key.value.clone().unwrap_or(start), presence, about: key.about })
 }
 
-fn control(kind: Kind, slider: Slider, extent: PointExtent) -> Option<Control> {
+fn control(kind: Kind, slider: Slider, extent: ControlExtent) -> Option<Control> {
     let length = |share: f64| significant(share * extent.diagonal);
     Some(match (kind, slider) {
         (Kind::WordOr(_, other), slider) => return control(*other, slider, extent),
@@ -122,7 +122,7 @@ fn control(kind: Kind, slider: Slider, extent: PointExtent) -> Option<Control> {
 }
 
 /// The control of a method's key; `None` for keys of other methods.
-pub fn method(method: &Method, key: &str, extent: PointExtent) -> Option<KeyControl> {
+pub fn method(method: &Method, key: &str, extent: ControlExtent) -> Option<KeyControl> {
     let mut key = method.key(key)?;
     match (key.name, method.soft()) {
         ("softness" | "lambda", Some(soft)) => Some(density(method, soft, &key, extent)),
@@ -136,7 +136,7 @@ pub fn method(method: &Method, key: &str, extent: PointExtent) -> Option<KeyCont
 }
 
 /// The control of a key with a default that depends on the scene, which it shows.
-fn shortened(key: &Key, extent: PointExtent) -> Option<KeyControl> {
+fn shortened(key: &Key, extent: ControlExtent) -> Option<KeyControl> {
     let mut entry = entry(key, extent)?;
     if let (Presence::Optional { without, .. }, Slider::Lengths(..)) = (&mut entry.presence, key.slider) {
         *without = format!("{}%: {}", significant(100.0 * key.start), significant(key.start * extent.diagonal));
@@ -145,7 +145,7 @@ fn shortened(key: &Key, extent: PointExtent) -> Option<KeyControl> {
 }
 
 /// The control of a key of `[shadows]`; `None` for `method`, which is the table's switch.
-pub fn shadows(shadows: &Shadows, light: Light, key: &str, extent: PointExtent) -> Option<KeyControl> {
+pub fn shadows(shadows: &Shadows, light: Light, key: &str, extent: ControlExtent) -> Option<KeyControl> {
     let mut key = find(shadows.keys(), key)?;
     if let ("light_radius", Light::Direction(_)) = (key.name, light) {
         // Degrees, and no length.
@@ -160,7 +160,7 @@ pub fn find(keys: Vec<Key>, name: &str) -> Option<Key> {
 }
 
 /// `softness` or `lambda`: the one that was not chosen begins where the picture stays the same.
-fn density(method: &Method, soft: &Soft, key: &Key, extent: PointExtent) -> KeyControl {
+fn density(method: &Method, soft: &Soft, key: &Key, extent: ControlExtent) -> KeyControl {
     let radius = if extent.median_radius > 0.0 { extent.median_radius } else { (0.003 * extent.diagonal) as f32 };
     let model = SoftModel::new(method, soft, radius);
     let about = key.about;

@@ -1,6 +1,6 @@
 //! Controls of clouds.
 
-use super::{KeyControl, PointExtent, Presence, entry, find};
+use super::{ControlExtent, KeyControl, Presence, entry, find};
 use pellucid_scene::prepare::DEFAULT_NEIGHBORS;
 use pellucid_scene::{Change, CloudSettings, Setting};
 
@@ -11,7 +11,7 @@ pub fn cloud(
     key: &str,
     own_radii: bool,
     prepared: Option<usize>,
-    extent: PointExtent,
+    extent: ControlExtent,
 ) -> Option<KeyControl> {
     let key = find(cloud.keys(), key)?;
     let mut entry = entry(&key, extent)?;

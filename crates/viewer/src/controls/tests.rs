@@ -3,7 +3,7 @@
 use super::*;
 use pellucid_scene::{Change, Document, Light, METHODS, Method, Overrides, Scene, SoftLayout, method_keys};
 
-const EXTENT: PointExtent = PointExtent { diagonal: 250.0, median_radius: 0.125 };
+const EXTENT: ControlExtent = ControlExtent { diagonal: 250.0, median_radius: 0.125 };
 
 fn document(method: &str) -> Document {
     let text = format!("[[cloud]]\npath = 'a.ply'\n[method]\nname = '{method}'\n");
