@@ -5,7 +5,7 @@ use std::path::Path;
 use pellucid_core::image::Image;
 use pellucid_engine::methods::{Facts, Renderer};
 use pellucid_gpu::{Device, DeviceOptions};
-use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_lab::check::{self, Lack, MethodScene};
 use serde_json::{Value, json};
 
 /// The images of all subjects on one driver.
@@ -30,7 +30,7 @@ pub struct Met {
     pub longest: u64,
 }
 
-pub fn is_asked(subject: &Subject, only: Option<&str>) -> bool {
+pub fn is_asked(subject: &MethodScene, only: Option<&str>) -> bool {
     only.is_none_or(|only| subject.name.contains(only))
 }
 
@@ -61,7 +61,7 @@ pub fn render(folder: &Path, only: Option<&str>) -> Result<(), String> {
 }
 
 /// Counts the fragments, splats or points that may come together in a pixel.
-fn longest(subject: &Subject, facts: &Facts) -> u64 {
+fn longest(subject: &MethodScene, facts: &Facts) -> u64 {
     match u64::from(facts.max_list.max(facts.max_events)) {
         0 => subject.clouds.iter().map(|cloud| cloud.len() as u64).sum(),
         longest => longest,

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use pellucid_core::image::Image;
-use pellucid_lab::check::Subject;
+use pellucid_lab::check::MethodScene;
 
 use crate::bound;
 use crate::images::{DriverImages, Outcome};
@@ -79,7 +79,7 @@ impl Verdict {
 }
 
 /// All drivers but the first against the first, subject by subject.
-pub fn lines(subjects: &[&Subject], found: &[DriverImages]) -> Vec<Line> {
+pub fn lines(subjects: &[&MethodScene], found: &[DriverImages]) -> Vec<Line> {
     let Some((first, others)) = found.split_first() else { return Vec::new() };
     let mut lines = Vec::new();
     for (place, subject) in subjects.iter().enumerate() {
@@ -209,7 +209,7 @@ mod tests {
             found(vec![outcome(0.5), outcome(0.1), lacks(), failed(), outcome(0.5)]),
         ];
         let subjects = pellucid_lab::check::subjects();
-        let subjects: Vec<&Subject> = subjects.iter().take(5).collect();
+        let subjects: Vec<&MethodScene> = subjects.iter().take(5).collect();
         let lines = lines(&subjects, &all);
         let wrong: Vec<bool> = lines.iter().map(|line| line.verdict.is_wrong()).collect();
         assert_eq!(wrong, [false, true, false, true, false]);

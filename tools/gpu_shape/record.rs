@@ -6,7 +6,7 @@ use pellucid_engine::{NUMBERS, key_without_numbers, plan};
 use pellucid_gpu as gpu;
 use pellucid_gpu::shader::Shader;
 use pellucid_gpu::{Blend, Device, DeviceOptions, Format, Outputs, PipelineSource, Preferences, Variant};
-use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_lab::check::{self, Lack, MethodScene};
 use pellucid_scene::{self as scene, Method, Overrides, Scene, procedural};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -90,7 +90,7 @@ fn frame(method: &'static str) -> Result<Recording, String> {
     let points = scene::assemble(&scene, clouds, true, &Progress::hidden()).map_err(|e| error(e.into()))?;
     let (camera, _) = scene::camera(&scene, &points, up).map_err(|e| error(e.into()))?;
     let frame = Frame { method: plan::resolve(scene.method, &points).0, ..Frame::of_scene(&scene, camera, 0) };
-    let subject = Subject { name: method.to_owned(), clouds: vec![points], choice: scene.method, frame };
+    let subject = MethodScene { name: method.to_owned(), clouds: vec![points], choice: scene.method, frame };
     let device = open()?;
     let mut renderer = Renderer::new(&device).map_err(|e| error(e.into()))?;
     let rendered = subject.render(&mut renderer).map_err(|e| error(e.into()))?;

@@ -10,7 +10,7 @@ use pellucid_engine::{Error, Result};
 use pellucid_gpu::{self as gpu, DeviceOptions};
 use pellucid_lab::report::tradeoff::method_by_method;
 use pellucid_session::candidates::{Ladders, Setting, settings};
-use pellucid_session::choice::{EXACT, Measured, Subject, Trials};
+use pellucid_session::choice::{ChoiceFrame, EXACT, TrialResult, Trials};
 
 use crate::Args;
 use crate::rows::{Device, Log, Row, rounded};
@@ -95,7 +95,7 @@ fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: 
     let (scene, target) = (base.name, case.target);
     let begin = Instant::now();
     let mut cloud = Renderer::new(device)?.upload(arranged)?;
-    let subject = Subject { arranged, frame: base.frame, background: base.background, only: None };
+    let subject = ChoiceFrame { arranged, frame: base.frame, background: base.background, only: None };
     let progress = Progress::hidden();
     let mut trials = Trials::open(device, &mut cloud, &subject, true, &progress)?;
     let settings = settings(&trials.occasion(), &Ladders::FULL).0;
@@ -134,7 +134,7 @@ fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: 
     Ok(())
 }
 
-fn row(key: String, Measured { figures, peak_device_bytes }: Measured) -> Row {
+fn row(key: String, TrialResult { figures, peak_device_bytes }: TrialResult) -> Row {
     Row(key, rounded(figures.rmse), rounded(figures.gpu_ms), peak_device_bytes)
 }
 

@@ -20,7 +20,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::{Device, DeviceOptions};
-use pellucid_lab::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
+use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options, Row, Tradeoff};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{self as scene, Overrides, Scene, procedural};
 use pellucid_session::candidates::Ladders;
@@ -64,14 +64,14 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
     let start = Instant::now();
     let table = search(
         device,
-        &Subject { arranged: &arranged, frame, background: scene.image.background, scene: name, cameras: &[] },
+        &MeasuredScene { arranged: &arranged, frame, background: scene.image.background, scene: name, cameras: &[] },
     )?;
     let (settings, seconds) = (table.rows.len(), start.elapsed().as_secs());
     println!("\n== {name} {keys:?}: {settings} settings searched in {seconds} s");
     choices(device, &arranged, &scene, frame, &table)
 }
 
-fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
+fn search(device: &Device, subject: &MeasuredScene<'_>) -> Result<Tradeoff> {
     let seconds = std::env::var("PELLUCID_BENCH_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(240.0);
     let options = Options {
         ladders: Ladders::FINE,
@@ -89,7 +89,7 @@ fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
 
 fn choices(device: &Device, arranged: &Arranged, scene: &Scene, frame: Frame, table: &Tradeoff) -> Result<()> {
     let mut cloud = Renderer::new(device)?.upload(arranged)?;
-    let subject = choice::Subject { arranged, frame, background: scene.image.background, only: None };
+    let subject = choice::ChoiceFrame { arranged, frame, background: scene.image.background, only: None };
     let exact = table.rows.iter().filter(|row| row.errors.rmse < choice::EXACT);
     let exact = exact.map(|row| row.gpu_ms.median).fold(f64::INFINITY, f64::min);
     let by_error = ERRORS.map(|error| Wish { max_error: Some(error), budget_ms: None });

@@ -97,13 +97,13 @@ fn methods(ensembles: u32) -> [Method; 2] {
 }
 
 /// Medians of some frames.
-struct Measured {
+struct FrameMedians {
     slots: u64,
     draw: f64,
     frame: f64,
 }
 
-fn measured(renderer: &mut Renderer, cloud: &mut DeviceCloud, frame: &Frame, frames: usize) -> Result<Measured> {
+fn measured(renderer: &mut Renderer, cloud: &mut DeviceCloud, frame: &Frame, frames: usize) -> Result<FrameMedians> {
     // The first one compiles.
     let slots = renderer.render(cloud, frame)?.facts.slots;
     let (mut draws, mut all) = (Vec::new(), Vec::new());
@@ -115,7 +115,7 @@ fn measured(renderer: &mut Renderer, cloud: &mut DeviceCloud, frame: &Frame, fra
         all.push(milliseconds(&rendered, |_| true));
         renderer.recycle(rendered.image);
     }
-    Ok(Measured { slots, draw: median(&mut draws), frame: median(&mut all) })
+    Ok(FrameMedians { slots, draw: median(&mut draws), frame: median(&mut all) })
 }
 
 fn median(values: &mut [f64]) -> f64 {

@@ -51,7 +51,7 @@ fn run() -> Result<()> {
         for method in Method::all().into_iter().filter(|method| !method.is_dealt()) {
             let frame = Frame { camera, size: [side; 2], method, ..Frame::of_scene(&scene, camera, 0) };
             let Some(rounds) = rounds(&device, &points, &frame, frames)? else { continue };
-            let of = |value: &dyn Fn(&[Measured; 3]) -> f64| median(rounds.iter().map(value).collect());
+            let of = |value: &dyn Fn(&[FrameWaits; 3]) -> f64| median(rounds.iter().map(value).collect());
             let [waiting, foreseen, plain] = [0, 1, 2].map(|way| format!("{:.2}", of(&|round| round[way].ms)));
             let [waits, once] = [0, 1].map(|way| of(&|round| round[way].waits as f64).to_string());
             let [saved, untimed] = [1, 2].map(|way| format!("{:.3}", of(&|round| round[way].ms / round[way - 1].ms)));
@@ -66,13 +66,13 @@ fn run() -> Result<()> {
 }
 
 /// A frame.
-struct Measured {
+struct FrameWaits {
     ms: f64,
     waits: u64,
 }
 
 /// Frames by three renderers that take turns; `None` if the device cannot render the method.
-fn rounds(device: &Device, points: &Points, frame: &Frame, frames: usize) -> Result<Option<Vec<[Measured; 3]>>> {
+fn rounds(device: &Device, points: &Points, frame: &Frame, frames: usize) -> Result<Option<Vec<[FrameWaits; 3]>>> {
     let way = || -> Result<_> {
         let renderer = Renderer::new(device)?;
         let cloud = renderer.upload(points)?;
@@ -97,7 +97,7 @@ fn rounds(device: &Device, points: &Points, frame: &Frame, frames: usize) -> Res
                 }
                 Err(error) => return Err(error.into()),
             };
-            round.push(Measured { ms: begin.elapsed().as_secs_f64() * 1e3, waits: rendered.profile.waits });
+            round.push(FrameWaits { ms: begin.elapsed().as_secs_f64() * 1e3, waits: rendered.profile.waits });
             renderer.recycle(rendered.image);
         }
         if let (true, Ok(round)) = (number >= 3, round.try_into()) {

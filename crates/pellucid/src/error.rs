@@ -6,11 +6,11 @@ use std::fmt::{self, Display, Formatter};
 #[derive(Debug)]
 pub struct Error {
     kind: ErrorKind,
-    cause: Cause,
+    cause: ErrorCause,
 }
 
 #[derive(Debug)]
-enum Cause {
+enum ErrorCause {
     Engine(pellucid_engine::Error),
     Argument(String),
 }
@@ -45,15 +45,15 @@ impl Error {
     }
 
     pub(crate) fn argument(message: impl Into<String>) -> Self {
-        Self { kind: ErrorKind::Argument, cause: Cause::Argument(message.into()) }
+        Self { kind: ErrorKind::Argument, cause: ErrorCause::Argument(message.into()) }
     }
 }
 
 impl Display for Error {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match &self.cause {
-            Cause::Engine(error) => error.fmt(f),
-            Cause::Argument(message) => message.fmt(f),
+            ErrorCause::Engine(error) => error.fmt(f),
+            ErrorCause::Argument(message) => message.fmt(f),
         }
     }
 }
@@ -61,8 +61,8 @@ impl Display for Error {
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match &self.cause {
-            Cause::Engine(error) => error.source(),
-            Cause::Argument(_) => None,
+            ErrorCause::Engine(error) => error.source(),
+            ErrorCause::Argument(_) => None,
         }
     }
 }
@@ -79,5 +79,5 @@ pub(crate) fn of_engine(error: impl Into<pellucid_engine::Error>) -> Error {
         Engine::Gpu(_) | Engine::Render(pellucid_engine::methods::Error::Gpu(_)) => ErrorKind::Device,
         _ => ErrorKind::Render,
     };
-    Error { kind, cause: Cause::Engine(error) }
+    Error { kind, cause: ErrorCause::Engine(error) }
 }

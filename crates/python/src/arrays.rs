@@ -15,9 +15,9 @@ use rayon::prelude::*;
 use crate::failure::Failure;
 
 /// Copy of a contiguous array.
-pub struct Rows<T>(pub Vec<T>);
+pub struct ArrayCopy<T>(pub Vec<T>);
 
-impl<'a, 'py, T: Element + Copy + 'a> FromPyObject<'a, 'py> for Rows<T> {
+impl<'a, 'py, T: Element + Copy + 'a> FromPyObject<'a, 'py> for ArrayCopy<T> {
     type Error = PyErr;
 
     fn extract(array: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
@@ -30,15 +30,15 @@ impl<'a, 'py, T: Element + Copy + 'a> FromPyObject<'a, 'py> for Rows<T> {
 /// Copy of an array of floats.
 #[derive(FromPyObject)]
 pub enum FloatRows {
-    Single(Rows<f32>),
-    Double(Rows<f64>),
+    Single(ArrayCopy<f32>),
+    Double(ArrayCopy<f64>),
 }
 
 /// Copy of colors as given; integers are sRGB.
 #[derive(FromPyObject)]
 pub enum ColorRows {
-    Byte(Rows<u8>),
-    Short(Rows<u16>),
+    Byte(ArrayCopy<u8>),
+    Short(ArrayCopy<u16>),
     Floats(FloatRows),
 }
 
@@ -66,8 +66,8 @@ pub fn positions(rows: &FloatRows) -> Result<Vec<DVec3>, Failure> {
         }
     }
     match rows {
-        FloatRows::Single(Rows(values)) => convert(values),
-        FloatRows::Double(Rows(values)) => convert(values),
+        FloatRows::Single(ArrayCopy(values)) => convert(values),
+        FloatRows::Double(ArrayCopy(values)) => convert(values),
     }
 }
 
@@ -80,20 +80,20 @@ pub fn normals(rows: &FloatRows) -> Option<Vec<Vec3>> {
 /// Returns rows of three as float32.
 fn vectors(rows: &FloatRows) -> impl IndexedParallelIterator<Item = Vec3> + '_ {
     let count = match rows {
-        FloatRows::Single(Rows(values)) => values.len() / 3,
-        FloatRows::Double(Rows(values)) => values.len() / 3,
+        FloatRows::Single(ArrayCopy(values)) => values.len() / 3,
+        FloatRows::Double(ArrayCopy(values)) => values.len() / 3,
     };
     (0..count).into_par_iter().map(move |i| match rows {
-        FloatRows::Single(Rows(values)) => Vec3::from_slice(&values[3 * i..]),
-        FloatRows::Double(Rows(values)) => DVec3::from_slice(&values[3 * i..]).as_vec3(),
+        FloatRows::Single(ArrayCopy(values)) => Vec3::from_slice(&values[3 * i..]),
+        FloatRows::Double(ArrayCopy(values)) => DVec3::from_slice(&values[3 * i..]).as_vec3(),
     })
 }
 
 /// Returns linear colors. `srgb` is `true` if floats are sRGB.
 pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
     let rows = match rows {
-        ColorRows::Byte(Rows(values)) => return Ok(decoded(values, 255)),
-        ColorRows::Short(Rows(values)) => return Ok(decoded(values, u16::MAX)),
+        ColorRows::Byte(ArrayCopy(values)) => return Ok(decoded(values, 255)),
+        ColorRows::Short(ArrayCopy(values)) => return Ok(decoded(values, u16::MAX)),
         ColorRows::Floats(rows) => rows,
     };
     let in_range = |c: &Vec3| c.cmpge(Vec3::ZERO).all() && c.cmple(Vec3::ONE).all();
@@ -109,8 +109,8 @@ pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
 /// Returns colors as they are, whatever their range; integers are decoded.
 pub fn any_colors(rows: &ColorRows) -> Vec<[f32; 3]> {
     match rows {
-        ColorRows::Byte(Rows(values)) => decoded(values, 255).into_iter().map(|c| c.to_array()).collect(),
-        ColorRows::Short(Rows(values)) => decoded(values, u16::MAX).into_iter().map(|c| c.to_array()).collect(),
+        ColorRows::Byte(ArrayCopy(values)) => decoded(values, 255).into_iter().map(|c| c.to_array()).collect(),
+        ColorRows::Short(ArrayCopy(values)) => decoded(values, u16::MAX).into_iter().map(|c| c.to_array()).collect(),
         ColorRows::Floats(rows) => vectors(rows).map(|c| c.to_array()).collect(),
     }
 }

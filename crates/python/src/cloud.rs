@@ -9,7 +9,7 @@ use pellucid_io as io;
 use pellucid_session::describe_cloud;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, ColorRows, FloatRows, Rows};
+use crate::arrays::{self, ArrayCopy, ColorRows, FloatRows};
 use crate::failure::Failure;
 use crate::work;
 
@@ -25,17 +25,17 @@ pub struct Given {
     #[pyo3(item)]
     srgb: bool,
     #[pyo3(item)]
-    opacities: Option<Rows<f32>>,
+    opacities: Option<ArrayCopy<f32>>,
     #[pyo3(item)]
-    radii: Option<Rows<f32>>,
+    radii: Option<ArrayCopy<f32>>,
     #[pyo3(item)]
     normals: Option<FloatRows>,
     #[pyo3(item)]
-    classification: Option<Rows<u8>>,
+    classification: Option<ArrayCopy<u8>>,
     #[pyo3(item)]
-    intensity: Option<Rows<f32>>,
+    intensity: Option<ArrayCopy<f32>>,
     #[pyo3(item)]
-    scalars: Vec<(String, Rows<f32>)>,
+    scalars: Vec<(String, ArrayCopy<f32>)>,
     #[pyo3(item)]
     z_up: Option<bool>,
 }
@@ -113,13 +113,13 @@ impl Cloud {
 impl Given {
     /// Returns the columns of a cloud, of which every value is in its range.
     fn columns(self, points: &FloatRows) -> Result<Columns, Failure> {
-        let floats = |rows: Option<Rows<f32>>| rows.map(|Rows(values)| values);
+        let floats = |rows: Option<ArrayCopy<f32>>| rows.map(|ArrayCopy(values)| values);
         let mut columns = Columns {
             alphas: floats(self.opacities),
             radii: floats(self.radii),
-            classification: self.classification.map(|Rows(codes)| codes),
+            classification: self.classification.map(|ArrayCopy(codes)| codes),
             intensity: floats(self.intensity),
-            scalars: self.scalars.into_iter().map(|(name, Rows(values))| (name, values)).collect(),
+            scalars: self.scalars.into_iter().map(|(name, ArrayCopy(values))| (name, values)).collect(),
             ..Columns::default()
         };
         let (alphas, radii) = (columns.alphas.as_deref(), columns.radii.as_deref());

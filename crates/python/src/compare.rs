@@ -15,12 +15,12 @@ use crate::work;
 
 /// A file, or R, G, B of this width and height, row by row: linear floats, or sRGB integers.
 #[derive(FromPyObject)]
-pub enum Source {
+pub enum ImageSource {
     Pixels(ColorRows, u32, u32),
     File(PathBuf),
 }
 
-impl Source {
+impl ImageSource {
     fn read(self, name: &str) -> Result<LinearImage, Failure> {
         let image = match self {
             Self::Pixels(rows, width, height) => LinearImage { width, height, pixels: arrays::any_colors(&rows) },
@@ -48,7 +48,7 @@ type Compared<'py> = (String, Bound<'py, PyArray1<f32>>, u32, u32);
 
 /// Compare a picture with another one, the reference.
 #[pyfunction]
-pub fn compare<'py>(py: Python<'py>, a: Source, b: Source) -> PyResult<Compared<'py>> {
+pub fn compare<'py>(py: Python<'py>, a: ImageSource, b: ImageSource) -> PyResult<Compared<'py>> {
     let (json, difference, [width, height]) = work::run(py, None, move |_| {
         let (a, b) = (a.read("a")?, b.read("b")?);
         let comparison = metrics::compare(&a, &b).ok_or_else(|| {

@@ -12,17 +12,17 @@ use crate::arrays;
 use crate::devices::Device;
 use crate::failure::Failure;
 use crate::fork::Kept;
-use crate::measures::{self, Extent};
+use crate::measures::{self, TradeoffExtent};
 use crate::picture::{self, CameraNumbers, Moved, Picture};
 use crate::request::Ask;
 use crate::scene::Scene;
-use crate::session::Work;
+use crate::session::SceneSession;
 use crate::talk::Talk;
 use crate::work;
 
 /// Scene on a device; one frame at a time.
 #[pyclass(frozen, module = "pellucid._pellucid")]
-pub struct Loaded(Mutex<Kept<Arc<Mutex<Work>>>>);
+pub struct Loaded(Mutex<Kept<Arc<Mutex<SceneSession>>>>);
 
 #[pymethods]
 impl Loaded {
@@ -39,7 +39,7 @@ impl Loaded {
     ) -> PyResult<Self> {
         let device = device.device()?;
         let state = scene.state().clone();
-        let session = work::run(py, listener, move |talk| Work::open(&device, state, &ask, with_radii, talk))?;
+        let session = work::run(py, listener, move |talk| SceneSession::open(&device, state, &ask, with_radii, talk))?;
         Ok(Self(Mutex::new(Kept::new("scene", Arc::new(Mutex::new(session))))))
     }
 
@@ -82,7 +82,7 @@ impl Loaded {
         &self,
         py: Python<'_>,
         ask: Ask,
-        extent: Extent,
+        extent: TradeoffExtent,
         folder: PathBuf,
         listener: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
@@ -130,7 +130,7 @@ impl Loaded {
         &self,
         py: Python<'_>,
         listener: Option<&Bound<'_, PyAny>>,
-        task: impl FnOnce(&mut Work, &Talk) -> Result<T, Failure> + Send + 'static,
+        task: impl FnOnce(&mut SceneSession, &Talk) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
         let session = self.0.lock().unwrap_or_else(PoisonError::into_inner).get().cloned();
         let session = session?;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use pellucid_engine::methods::{Frame, Stop};
 use pellucid_engine::profile::{self, Profile};
 use pellucid_io::output;
-use pellucid_lab::report::tradeoff::{self, Options, Subject};
+use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options};
 use pellucid_session::candidates::{self, Formation, Ladders};
 use pellucid_session::{Messages, Session};
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::request::Ask;
-use crate::session::Work;
+use crate::session::SceneSession;
 use crate::talk::Talk;
 
 /// Renders a first frame, which pays for pipelines and buffers, then those that count.
@@ -58,7 +58,7 @@ pub fn plan(session: &mut Session) -> Result<String, Failure> {
 
 /// Extent of a comparison.
 #[derive(FromPyObject)]
-pub struct Extent {
+pub struct TradeoffExtent {
     #[pyo3(item)]
     quick: bool,
     #[pyo3(item)]
@@ -70,7 +70,7 @@ pub struct Extent {
     command: String,
 }
 
-impl Extent {
+impl TradeoffExtent {
     fn options(&self, begin: Instant) -> Options {
         let (ladders, (rounds, seeds)) = if self.quick { (Ladders::QUICK, (3, 4)) } else { (Ladders::FULL, (10, 8)) };
         let seconds = self.seconds.unwrap_or(if self.quick { 55.0 } else { 360.0 });
@@ -82,7 +82,13 @@ impl Extent {
 }
 
 /// Compares the methods that draw a scene.
-pub fn tradeoff(work: &mut Work, ask: &Ask, extent: &Extent, folder: &Path, talk: &Talk) -> Result<String, Failure> {
+pub fn tradeoff(
+    work: &mut SceneSession,
+    ask: &Ask,
+    extent: &TradeoffExtent,
+    folder: &Path,
+    talk: &Talk,
+) -> Result<String, Failure> {
     let begin = Instant::now();
     if work.session.assembled().stored().is_some() {
         let problem = "tradeoff: all clouds are needed in memory; these stay in their files, since they would take more than host_memory \
@@ -110,7 +116,7 @@ pub fn tradeoff(work: &mut Work, ask: &Ask, extent: &Extent, folder: &Path, talk
         ..session.frame
     };
     let background = scene.image.background;
-    let subject = Subject {
+    let subject = MeasuredScene {
         arranged: session.assembled().arranged(),
         frame,
         background,

@@ -11,7 +11,7 @@ use crate::scene::State;
 use crate::talk::Talk;
 
 /// Session with the scene that its requests change.
-pub struct Work {
+pub struct SceneSession {
     pub session: Session,
     state: State,
     /// `true` if points have radii whatever the method.
@@ -20,7 +20,7 @@ pub struct Work {
     parsed: Option<((Vec<String>, Changes), Scene)>,
 }
 
-impl Work {
+impl SceneSession {
     /// Reads, arranges and uploads the points of a scene; with radii, if they are wanted, whatever the method.
     pub fn open(device: &Device, state: State, ask: &Ask, radii: bool, talk: &Talk) -> Result<Self, Failure> {
         ask.check()?;

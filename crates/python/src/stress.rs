@@ -10,7 +10,7 @@ use crate::work;
 
 /// Differences from the whole sweep, or from the quick one.
 #[derive(FromPyObject)]
-pub struct Extent {
+pub struct SweepExtent {
     #[pyo3(item)]
     quick: bool,
     #[pyo3(item)]
@@ -34,7 +34,7 @@ pub struct Extent {
 /// Largest side of the scenes, and largest number of layers: what a frame and a list can have.
 const MOST: u32 = 16_384;
 
-impl Extent {
+impl SweepExtent {
     fn settings(&self) -> Result<Settings, Failure> {
         let all = Method::transparent();
         let methods = match &self.methods {
@@ -83,7 +83,7 @@ fn ascending(name: &str, given: &Option<Vec<u32>>, default: Vec<u32>) -> Result<
 pub fn stress(
     py: Python<'_>,
     device: &Device,
-    extent: Extent,
+    extent: SweepExtent,
     listener: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
     let device = device.device()?;

@@ -18,7 +18,7 @@ use pellucid_io::output::WriteOptions;
 use pellucid_scene::{self as scene, Detail, Method, MethodChoice, Scene};
 
 use crate::assembled::Assembled;
-use crate::choice::{self, Choice, Subject, Wish};
+use crate::choice::{self, Choice, ChoiceFrame, Wish};
 use crate::messages::{Messages, Told};
 use crate::prepared::Prepared;
 use crate::request::Request;
@@ -261,7 +261,7 @@ impl Session {
     fn choose(&mut self, wish: Wish, messages: &dyn Messages) -> Result<()> {
         let Self { device, prepared, frame, uploaded, progress, .. } = self;
         let request = &prepared.request.choice;
-        let subject = Subject {
+        let subject = ChoiceFrame {
             arranged: prepared.assembled.arranged(),
             frame: *frame,
             background: prepared.scene().image.background,

@@ -53,7 +53,7 @@ pub enum Presence {
 
 /// A key's control.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct KeyControl {
     /// The control that changes it.
     pub control: Control,
     /// The value in force; of a key without one, what it begins with.
@@ -66,21 +66,21 @@ pub struct Entry {
 
 /// Properties of the shown points that determine the ranges of controls.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extent {
+pub struct ControlExtent {
     /// The diagonal of the points' box, in world units; above 0.
     pub diagonal: f64,
     /// The median radius of the soft points, in world units; 0 if there are none.
     pub median_radius: f32,
 }
 
-impl Default for Extent {
+impl Default for ControlExtent {
     fn default() -> Self {
         Self { diagonal: 1.0, median_radius: 0.0 }
     }
 }
 
 /// The control of a key; `None` for values without a control here, such as those of cameras and lights.
-pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
+pub fn entry(key: &Key, extent: ControlExtent) -> Option<KeyControl> {
     let control = control(key.kind, key.slider, extent)?;
     let start = match (control, key.slider) {
         (Control::Color, _) => Setting::Numbers(vec![1.0; 3]),
@@ -98,10 +98,10 @@ pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
         (_, Some(_)) => Presence::Rival { on },
         (without, None) => Presence::Optional { on, without: without.to_owned() },
     };
-    Some(Entry { control, value: key.value.clone().unwrap_or(start), presence, about: key.about })
+    Some(KeyControl { control, value: key.value.clone().unwrap_or(start), presence, about: key.about })
 }
 
-fn control(kind: ValueKind, slider: Slider, extent: Extent) -> Option<Control> {
+fn control(kind: ValueKind, slider: Slider, extent: ControlExtent) -> Option<Control> {
     let length = |share: f64| significant(share * extent.diagonal);
     Some(match (kind, slider) {
         (ValueKind::WordOr(_, other), slider) => return control(*other, slider, extent),
@@ -122,7 +122,7 @@ fn control(kind: ValueKind, slider: Slider, extent: Extent) -> Option<Control> {
 }
 
 /// The control of a method's key; `None` for keys of other methods.
-pub fn method(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
+pub fn method(method: &Method, key: &str, extent: ControlExtent) -> Option<KeyControl> {
     let mut key = method.key(key)?;
     match (key.name, method.soft()) {
         ("softness" | "lambda", Some(soft)) => Some(density(method, soft, &key, extent)),
@@ -136,7 +136,7 @@ pub fn method(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
 }
 
 /// The control of a key with a default that depends on the scene, which it shows.
-fn shortened(key: &Key, extent: Extent) -> Option<Entry> {
+fn shortened(key: &Key, extent: ControlExtent) -> Option<KeyControl> {
     let mut entry = entry(key, extent)?;
     if let (Presence::Optional { without, .. }, Slider::Lengths(..)) = (&mut entry.presence, key.slider) {
         *without = format!("{}%: {}", significant(100.0 * key.start), significant(key.start * extent.diagonal));
@@ -145,7 +145,7 @@ fn shortened(key: &Key, extent: Extent) -> Option<Entry> {
 }
 
 /// The control of a key of `[shadows]`; `None` for `method`, which is the table's switch.
-pub fn shadows(shadows: &Shadows, light: Light, key: &str, extent: Extent) -> Option<Entry> {
+pub fn shadows(shadows: &Shadows, light: Light, key: &str, extent: ControlExtent) -> Option<KeyControl> {
     let mut key = find(shadows.keys(), key)?;
     if let ("light_radius", Light::Direction(_)) = (key.name, light) {
         // Degrees, and no length.
@@ -160,14 +160,14 @@ pub fn find(keys: Vec<Key>, name: &str) -> Option<Key> {
 }
 
 /// `softness` or `lambda`: the one that was not chosen begins where the picture stays the same.
-fn density(method: &Method, soft: &Soft, key: &Key, extent: Extent) -> Entry {
+fn density(method: &Method, soft: &Soft, key: &Key, extent: ControlExtent) -> KeyControl {
     let radius = if extent.median_radius > 0.0 { extent.median_radius } else { (0.003 * extent.diagonal) as f32 };
     let model = SoftModel::new(method, soft, radius);
     let about = key.about;
     if key.name == "softness" {
         let on = matches!(soft.density, Density::Softness(_));
         let value = if on { rounded(model.peak) } else { thousandths(model.peak.into()) };
-        return Entry {
+        return KeyControl {
             control: Control::Slider(0.0, 1.0),
             value: Setting::Number(value),
             presence: Presence::Rival { on },
@@ -187,7 +187,7 @@ fn density(method: &Method, soft: &Soft, key: &Key, extent: Extent) -> Entry {
         Density::Lambda(lambda) => rounded(lambda),
         Density::Softness(_) => significant(model.lambda.into()),
     };
-    Entry {
+    KeyControl {
         control: Control::Powers(0.0, most),
         value: Setting::Number(value),
         presence: Presence::Rival { on },

@@ -79,22 +79,25 @@ fn from_here(file: &Path) -> PathBuf {
 
 /// Kinds of files, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
+enum FileKind {
     Scene,
     Cloud,
     Cameras,
 }
 
-const KINDS: [(&str, Kind); 3] =
-    [("scenes (.toml)", Kind::Scene), ("point clouds", Kind::Cloud), ("camera paths (.json)", Kind::Cameras)];
+const KINDS: [(&str, FileKind); 3] = [
+    ("scenes (.toml)", FileKind::Scene),
+    ("point clouds", FileKind::Cloud),
+    ("camera paths (.json)", FileKind::Cameras),
+];
 
 /// The kind of a file, judged by its name, if it can be opened.
-fn kind(path: &Path) -> Option<Kind> {
+fn kind(path: &Path) -> Option<FileKind> {
     let has_extension = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     match path {
-        _ if has_extension("toml") => Some(Kind::Scene),
-        _ if has_extension("json") || is_cameras(path) => Some(Kind::Cameras),
-        _ => io::is_cloud(path).then_some(Kind::Cloud),
+        _ if has_extension("toml") => Some(FileKind::Scene),
+        _ if has_extension("json") || is_cameras(path) => Some(FileKind::Cameras),
+        _ => io::is_cloud(path).then_some(FileKind::Cloud),
     }
 }
 
@@ -105,12 +108,12 @@ mod tests {
     #[test]
     fn files_are_told_by_their_names() {
         for (name, expected) in [
-            ("a.toml", Some(Kind::Scene)),
-            ("a.TOML", Some(Kind::Scene)),
-            ("transforms.json", Some(Kind::Cameras)),
-            ("a.copc.laz", Some(Kind::Cloud)),
-            ("a.XYZ", Some(Kind::Cloud)),
-            ("a.e57", Some(Kind::Cloud)),
+            ("a.toml", Some(FileKind::Scene)),
+            ("a.TOML", Some(FileKind::Scene)),
+            ("transforms.json", Some(FileKind::Cameras)),
+            ("a.copc.laz", Some(FileKind::Cloud)),
+            ("a.XYZ", Some(FileKind::Cloud)),
+            ("a.e57", Some(FileKind::Cloud)),
             ("a.png", None),
             ("toml", None),
         ] {

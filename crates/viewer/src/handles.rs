@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     if !(model.shows.clips && model.shows.panel) {
         return;
     }
-    let Some(view) = View::of(ui, model) else { return };
+    let Some(view) = PictureView::of(ui, model) else { return };
     let clips = model.scene().clips.clone();
     for (at, clip) in clips.iter().enumerate() {
         if let ClipShape::Box { min, max } = clip.shape {
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// The picture's camera, and where the picture is in the window.
-struct View {
+struct PictureView {
     camera: Camera,
     size: [u32; 2],
     corner: Pos2,
@@ -57,7 +57,7 @@ struct View {
     extent: DVec3,
 }
 
-impl View {
+impl PictureView {
     fn of(ui: &Ui, model: &Model) -> Option<Self> {
         let picture = model.picture()?;
         let bounds = picture.subject.bounds;
@@ -130,7 +130,7 @@ impl View {
 }
 
 /// The twelve edges of a box.
-fn edges(ui: &Ui, view: &View, min: DVec3, max: DVec3) {
+fn edges(ui: &Ui, view: &PictureView, min: DVec3, max: DVec3) {
     let corner = |bits: usize| {
         let pick = |axis: usize| if bits >> axis & 1 == 1 { max[axis] } else { min[axis] };
         DVec3::new(pick(0), pick(1), pick(2))
@@ -147,7 +147,7 @@ fn edges(ui: &Ui, view: &View, min: DVec3, max: DVec3) {
 }
 
 /// The dots of a box's faces; the box that the pointer makes of it.
-fn faces(ui: &mut Ui, model: &mut Model, view: &View, at: usize, ends: [DVec3; 2]) -> Option<ClipShape> {
+fn faces(ui: &mut Ui, model: &mut Model, view: &PictureView, at: usize, ends: [DVec3; 2]) -> Option<ClipShape> {
     let mut moved = None;
     for (axis, side) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
         let center = face_center(ends, axis, side);
@@ -183,7 +183,7 @@ fn with_face(ends: [DVec3; 2], axis: usize, side: usize, to: f64) -> ClipShape {
 }
 
 /// A dot of a face; the pixel to which the pointer drags it.
-fn dot(ui: &mut Ui, model: &mut Model, view: &View, face: (usize, usize, usize), pixel: DVec2) -> Option<DVec2> {
+fn dot(ui: &mut Ui, model: &mut Model, view: &PictureView, face: (usize, usize, usize), pixel: DVec2) -> Option<DVec2> {
     let (at, axis, side) = face;
     let (place, id) = (view.at(pixel), ui.id().with(("face", face)));
     let response = ui.interact(Rect::from_center_size(place, Vec2::splat(REACH)), id, Sense::click_and_drag());
@@ -211,10 +211,10 @@ mod tests {
     use super::*;
     use pellucid_core::camera::Projection;
 
-    fn view(projection: Projection) -> View {
+    fn view(projection: Projection) -> PictureView {
         let camera = Camera::look_at(DVec3::new(30.0, -80.0, 40.0), DVec3::ZERO, DVec3::Z, projection, 1.0, 200.0);
         let (corner, extent) = (Pos2::new(7.0, 3.0), DVec3::new(40.0, 30.0, 0.2));
-        View { camera: camera.unwrap(), size: [800, 600], corner, scale: 1.5, diagonal: 50.0, extent }
+        PictureView { camera: camera.unwrap(), size: [800, 600], corner, scale: 1.5, diagonal: 50.0, extent }
     }
 
     const PROJECTIONS: [Projection; 2] =
@@ -251,7 +251,7 @@ mod tests {
     fn a_face_is_placed_as_finely_as_its_axis_asks_for() {
         let view = view(PROJECTIONS[0]);
         assert_eq!([0, 1, 2].map(|axis| view.short(1.234_567, axis)), [1.23, 1.23, 1.2346]);
-        let flat = View { extent: DVec3::new(40.0, 30.0, 0.0), ..view };
+        let flat = PictureView { extent: DVec3::new(40.0, 30.0, 0.0), ..view };
         assert_eq!(flat.short(0.123_456_7, 2), 0.123_456_7);
     }
 

@@ -1,4 +1,5 @@
-//! Descriptions of scene-file keys, for parts that are drawn without an [`Entry`](super::controls::Entry) of their own.
+//! Descriptions of scene-file keys, for parts that are drawn without a [`KeyControl`](super::controls::KeyControl) of
+//! their own.
 
 use pellucid_scene::{self as scene, Method};
 

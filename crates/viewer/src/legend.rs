@@ -8,7 +8,7 @@ use egui::{
 };
 use glam::DVec3;
 
-use super::messages::Picture;
+use super::messages::WindowPicture;
 use super::model::Model;
 use super::overlay;
 use pellucid_engine::Result;
@@ -80,7 +80,7 @@ pub fn show(ctx: &Context, model: &Model) {
     at.show(ctx, |ui| overlay::frame().show(ui, |ui| content(ui, picture, legend, scale_bar)));
 }
 
-fn content(ui: &mut Ui, picture: &Picture, legend: &Legend, scale_bar: Option<ScaleBar>) {
+fn content(ui: &mut Ui, picture: &WindowPicture, legend: &Legend, scale_bar: Option<ScaleBar>) {
     // Read over a picture, and not beside other controls.
     ui.visuals_mut().override_text_color = Some(TEXT);
     ui.set_max_width(WIDTH.max(0.25 * picture.size[0] as f32 / ui.ctx().pixels_per_point()));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::accuracy::Accuracy;
 use crate::draft::Effort;
-use crate::navigate::{Pose, Subject};
+use crate::navigate::{CameraSubject, Pose};
 use crate::statistics::{FieldFacts, Statistics};
 use pellucid_core::camera::Camera;
 use pellucid_core::camera::import::CameraSource;
@@ -74,7 +74,7 @@ pub enum Task {
 
 /// How much of a cloud that stays in its file a picture holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Held {
+pub struct CloudShare {
     /// Points in the picture.
     pub points: u64,
     /// All points.
@@ -84,7 +84,7 @@ pub struct Held {
 }
 
 /// A picture for the window.
-pub struct Picture {
+pub struct WindowPicture {
     /// The serial of its request.
     pub serial: u64,
     /// The requested pose.
@@ -92,7 +92,7 @@ pub struct Picture {
     /// The camera.
     pub camera: Camera,
     /// The extent of the scene.
-    pub subject: Subject,
+    pub subject: CameraSubject,
     /// Columns and rows.
     pub size: [u32; 2],
     /// Bytes of the picture in the layout of the screen; `None` once the device is lost.
@@ -118,13 +118,13 @@ pub struct Picture {
     /// The meaning of its colors, if that was asked for.
     pub legend: Option<Arc<Legend>>,
     /// Resident part of clouds that stay in their files.
-    pub held: Option<Held>,
+    pub held: Option<CloudShare>,
 }
 
 /// News from the thread.
 pub enum News {
     /// A picture is finished.
-    Picture(Box<Picture>),
+    Picture(Box<WindowPicture>),
     /// Name and scene document of other files that were opened.
     Opened(String, Box<Document>),
     /// Statistics of the clouds, in the scene's order.

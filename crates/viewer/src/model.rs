@@ -12,7 +12,7 @@ use pellucid_core::progress::Progress;
 use super::counts::abbreviated;
 use super::dialog::Dialog;
 use super::loss::Lost;
-use super::messages::{News, Picture, Task};
+use super::messages::{News, Task, WindowPicture};
 use super::navigate::{self, Navigator, Pose};
 use super::route::Route;
 use super::statistics::Statistics;
@@ -111,7 +111,7 @@ pub struct Model {
     /// True if the next pose the scene gives becomes orthographic.
     flatten: bool,
     viewport: Viewport,
-    picture: Option<Box<Picture>>,
+    picture: Option<Box<WindowPicture>>,
     statistics: Arc<[Statistics]>,
     picture_state: PictureState,
     serial: u64,
@@ -199,7 +199,7 @@ impl Model {
     }
 
     /// The last picture.
-    pub fn picture(&self) -> Option<&Picture> {
+    pub fn picture(&self) -> Option<&WindowPicture> {
         self.picture.as_deref()
     }
 
@@ -419,7 +419,7 @@ impl Model {
         matches!(self.picture_state, PictureState::Requested(asked, _) if asked == serial)
     }
 
-    fn show(&mut self, picture: Box<Picture>) {
+    fn show(&mut self, picture: Box<WindowPicture>) {
         if let PictureState::Requested(serial, refined) = self.picture_state
             && serial == picture.serial
         {

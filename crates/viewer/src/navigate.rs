@@ -57,7 +57,7 @@ pub enum Pose {
 
 /// The extent of the scene the camera looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Subject {
+pub struct CameraSubject {
     /// The box around all points.
     pub bounds: Bounds,
     /// The largest radius of a point.
@@ -66,7 +66,7 @@ pub struct Subject {
     pub up: UpAxis,
 }
 
-impl Subject {
+impl CameraSubject {
     /// The distance from its center to its farthest part, above 0.
     pub fn reach(&self) -> f64 {
         let reach = 0.5 * self.bounds.diagonal() + self.radius;
@@ -78,7 +78,7 @@ impl Subject {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Navigator {
     table: Turntable,
-    subject: Subject,
+    subject: CameraSubject,
     eye: DVec3,
     /// Radians around the vertical.
     azimuth: f64,
@@ -94,7 +94,7 @@ pub struct Navigator {
 impl Navigator {
     /// The navigator that starts from a camera of the scene. Its pivot lies in the middle of the picture, at the
     /// distance of the scene's center.
-    pub fn new(camera: &Camera, fov_y: Option<f64>, subject: Subject) -> Self {
+    pub fn new(camera: &Camera, fov_y: Option<f64>, subject: CameraSubject) -> Self {
         let table = Turntable::level_with(camera, subject.up);
         let (vertical, forward) = (table.vertical, camera.forward);
         let sine = -forward.dot(vertical);
@@ -114,7 +114,7 @@ impl Navigator {
     }
 
     /// The navigator of a camera with eye, target and up; it turns about the target. `None` if these make no camera.
-    pub fn at(settings: &CameraSettings, subject: Subject) -> Option<Self> {
+    pub fn at(settings: &CameraSettings, subject: CameraSubject) -> Option<Self> {
         let camera = camera_at(settings, &subject.bounds, subject.radius)?;
         let mut navigator = Self::new(&camera, settings.fov_y, subject);
         navigator.pivot = settings.target?;
@@ -122,7 +122,7 @@ impl Navigator {
     }
 
     /// The extent of the scene.
-    pub fn subject(&self) -> Subject {
+    pub fn subject(&self) -> CameraSubject {
         self.subject
     }
 
@@ -286,7 +286,7 @@ impl Navigator {
 }
 
 /// The scene-file settings for a camera on a path; its target is as far away as the middle of the scene.
-pub fn settings_of(pose: &path::Pose, subject: &Subject) -> CameraSettings {
+pub fn settings_of(pose: &path::Pose, subject: &CameraSubject) -> CameraSettings {
     let (fov_y, height) = match pose.projection {
         Projection::Perspective { fov_y } => (Some(fov_y.to_degrees()), None),
         Projection::Orthographic { height } => (None, Some(height)),

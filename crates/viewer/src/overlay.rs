@@ -7,7 +7,7 @@ use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sen
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::accuracy::{Accuracy, Exactness, Reference};
-use super::messages::Picture;
+use super::messages::WindowPicture;
 use super::model::{Model, Passes};
 use super::times::{HISTORY, Medians};
 
@@ -152,7 +152,7 @@ fn strip(ui: &mut Ui, model: &Model) {
     plot.set_margin_fraction([0.0, 0.05].into()).show(ui, |plot| plot.bar_chart(chart));
 }
 
-fn facts(ui: &mut Ui, picture: &Picture) {
+fn facts(ui: &mut Ui, picture: &WindowPicture) {
     let facts = &picture.facts;
     let mut lines = vec![format!("{} splats in the picture", facts.visible)];
     if facts.fragments > 0 {
@@ -174,7 +174,7 @@ fn facts(ui: &mut Ui, picture: &Picture) {
 }
 
 /// The accuracy of the picture so far, and of the drafts before it.
-fn accuracy(ui: &mut Ui, picture: &Picture) {
+fn accuracy(ui: &mut Ui, picture: &WindowPicture) {
     let accuracy = &picture.accuracy;
     ui.separator();
     ui.label(RichText::new(now(picture)).strong().size(11.5)).on_hover_text(
@@ -202,7 +202,7 @@ fn accuracy(ui: &mut Ui, picture: &Picture) {
 }
 
 /// Returns a sentence on the current picture.
-fn now(picture: &Picture) -> String {
+fn now(picture: &WindowPicture) -> String {
     let Accuracy { refinements, against, exactness } = &picture.accuracy;
     let last = refinements.last();
     let standard_error = last.and_then(|refinement| refinement.standard_error);
@@ -225,7 +225,7 @@ fn now(picture: &Picture) -> String {
     }
 }
 
-fn plan(ui: &mut Ui, picture: &Picture) {
+fn plan(ui: &mut Ui, picture: &WindowPicture) {
     ui.collapsing("Plan", |ui| {
         egui::ScrollArea::vertical().max_height(200.0).show(ui, |ui| {
             for step in picture.plan.iter().filter(|step| step.on) {

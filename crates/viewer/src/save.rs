@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::draft::Effort;
 use super::messages::Saving;
 use super::navigate::Pose;
-use super::stage::{Stage, TakenPicture};
+use super::stage::{SceneRenderer, TakenPicture};
 use pellucid_engine::Result;
 use pellucid_io as io;
 use pellucid_io::output;
@@ -18,7 +18,7 @@ use pellucid_session::Clouds;
 ///
 /// # Errors
 /// Files can't be written or the scene can't be rendered.
-pub fn write(stage: &mut Stage, saving: &Saving, generated: bool) -> Result<Vec<PathBuf>> {
+pub fn write(stage: &mut SceneRenderer, saving: &Saving, generated: bool) -> Result<Vec<PathBuf>> {
     let mut document = saving.document.clone();
     if generated {
         write_clouds(stage, &mut document, &saving.stem)?;
@@ -57,7 +57,7 @@ fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
 }
 
 /// Does the same as `pellucid render SCENE -o PICTURE`.
-fn render(stage: &mut Stage, scene_path: &Path, picture: &Path) -> Result<()> {
+fn render(stage: &mut SceneRenderer, scene_path: &Path, picture: &Path) -> Result<()> {
     let mut scene = Document::read(scene_path, &Overrides::default())?.scene()?;
     stage.settle(&mut scene);
     let TakenPicture { rendered, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
@@ -68,7 +68,7 @@ fn render(stage: &mut Stage, scene_path: &Path, picture: &Path) -> Result<()> {
 }
 
 /// Writes clouds that were made into a folder of their own, and names them there.
-fn write_clouds(stage: &Stage, document: &mut Document, stem: &str) -> Result<()> {
+fn write_clouds(stage: &SceneRenderer, document: &mut Document, stem: &str) -> Result<()> {
     let folder = PathBuf::from(format!("{stem}-clouds"));
     let failed = |source| output::Error::Write { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(failed)?;

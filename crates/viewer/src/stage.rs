@@ -6,8 +6,8 @@ use pellucid_core::progress::{Observer, Progress};
 
 use super::accuracy::Exactness;
 use super::draft::{Cost, Costs, Draft, Effort};
-use super::messages::{Held, Setup};
-use super::navigate::{Pose, Subject};
+use super::messages::{CloudShare, Setup};
+use super::navigate::{CameraSubject, Pose};
 use super::statistics::{FieldFacts, Histograms};
 use super::thinned::{self, ThinnedCloud};
 use pellucid_core::camera::Camera;
@@ -51,7 +51,7 @@ pub struct TakenPicture {
     /// The brightening that was applied.
     pub brightness: Option<Applied>,
     /// The points' box, radius and vertical.
-    pub subject: Subject,
+    pub subject: CameraSubject,
     /// The share of the whole picture that was rendered.
     pub draft: Draft,
     /// Lights that stand for an area light: the number used, and the number the scene wants.
@@ -61,7 +61,7 @@ pub struct TakenPicture {
     /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
     /// How much of clouds that stay in their files the picture holds.
-    pub held: Option<Held>,
+    pub held: Option<CloudShare>,
 }
 
 impl TakenPicture {
@@ -81,19 +81,19 @@ impl TakenPicture {
 }
 
 /// A scene on the device.
-struct Placed {
+struct UploadedScene {
     session: Session,
     /// A smaller number of the points, for coarser pictures.
     thinned: Option<ThinnedCloud>,
     /// The points' box, largest radius and vertical.
-    subject: Subject,
+    subject: CameraSubject,
 }
 
 /// A renderer with the clouds of one scene.
-pub struct Stage {
+pub struct SceneRenderer {
     /// The renderer and the clouds while no points are on the device.
     waiting: Option<(Renderer, Sources)>,
-    placed: Option<Placed>,
+    placed: Option<UploadedScene>,
     setup: Setup,
     /// Says what is done to points before they can be rendered, and nothing once they can.
     pub progress: Progress,
@@ -104,8 +104,9 @@ pub struct Stage {
     chosen: Option<(MethodChoice, Method, String)>,
 }
 
-impl Stage {
-    /// A stage for the clouds of a scene. Work that nobody waits for any more ends when the device is told to do none.
+impl SceneRenderer {
+    /// A renderer for the clouds of a scene. Work that nobody waits for any more ends when the device is told to do
+    /// none.
     ///
     /// # Errors
     /// The device failed.
@@ -178,7 +179,7 @@ impl Stage {
         let known = self.chosen.clone().filter(|(requested, method, _)| {
             *requested == scene.method && self.draft(method, effort, scene.image.size) != Draft::whole(method)
         });
-        let Some(Placed { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        let Some(UploadedScene { session, .. }) = &mut self.placed else { return Err(no_points()) };
         match known {
             Some((_, method, why)) => session.keep_method(method, why),
             None => session.decide(&Silent)?,
@@ -198,7 +199,7 @@ impl Stage {
             self.costs = Some((method.name(), Draft::whole(&method).steps, costs));
         }
         let all = self.clouds().points();
-        let Some(Placed { session, subject, .. }) = &mut self.placed else { return Err(no_points()) };
+        let Some(UploadedScene { session, subject, .. }) = &mut self.placed else { return Err(no_points()) };
         let (points, cloud) = (session.prepared.points(), &mut session.uploaded.cloud);
         // Medians of radii may be asked for, which drafts have no time for.
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
@@ -211,7 +212,7 @@ impl Stage {
             let points = if draft.points.is_some() { rendered.facts.points.min(all) } else { all };
             let px = cloud.cut_in_force().map_or(f64::INFINITY, Cut::px);
             let is_fine = draft.points.is_none() || draft.coarse == 1 && px <= FINE_PX.into();
-            Held { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
+            CloudShare { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
         });
         let subject = *subject;
         Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, exactness, field, held })
@@ -231,7 +232,7 @@ impl Stage {
     pub fn exact(&mut self, scene: &Scene, pose: Pose, frame: &Frame, method: Method) -> Result<Rendered> {
         // A picture that came to nothing may have left other points.
         self.place(scene, pose)?;
-        let Some(Placed { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        let Some(UploadedScene { session, .. }) = &mut self.placed else { return Err(no_points()) };
         session.frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*frame };
         session.render()
     }
@@ -261,7 +262,7 @@ impl Stage {
 
     /// Renders what a draft has of a whole frame.
     fn draw(&mut self, whole: &Frame, draft: Draft, effort: Effort) -> Result<(Rendered, Option<Applied>)> {
-        let Some(Placed { session, thinned, .. }) = &mut self.placed else { return Err(no_points()) };
+        let Some(UploadedScene { session, thinned, .. }) = &mut self.placed else { return Err(no_points()) };
         let method = draft.method(whole.method);
         session.frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
         // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
@@ -303,7 +304,7 @@ impl Stage {
         if changes.any() {
             self.reconsider(request.scene.method);
         }
-        let Some(Placed { session, thinned, subject }) = &mut self.placed else { return Err(no_points()) };
+        let Some(UploadedScene { session, thinned, subject }) = &mut self.placed else { return Err(no_points()) };
         if changes.any() {
             *thinned = None;
         }
@@ -317,7 +318,7 @@ impl Stage {
 
     /// Frees what is on the device.
     fn free(&mut self) {
-        if let Some(Placed { session: Session { renderer, prepared, .. }, .. }) = self.placed.take() {
+        if let Some(UploadedScene { session: Session { renderer, prepared, .. }, .. }) = self.placed.take() {
             self.waiting = Some((renderer, prepared.sources));
         }
     }
@@ -329,7 +330,7 @@ impl Stage {
         sources.complete(scene, progress)?;
         let assembled = Assembled::new(sources, scene, request.wanted, &Silent, progress)?;
         let bounds = assembled.points().bounds().ok_or_else(no_points)?;
-        let subject = Subject { bounds, radius: assembled.points().largest_radius(), up: assembled.up };
+        let subject = CameraSubject { bounds, radius: assembled.points().largest_radius(), up: assembled.up };
         let camera = camera(scene, pose, &subject, assembled.points())?;
         progress.set_message("uploading points");
         let uploaded = Uploaded::new(renderer, &assembled, &Detail::default(), false)?;
@@ -337,7 +338,7 @@ impl Stage {
         let prepared = Prepared { request, assembled, camera, bounds: Some(bounds), sources };
         let session = Session::of(renderer, prepared, uploaded, &Progress::hidden());
         let requested = session.scene().method;
-        self.placed = Some(Placed { session, thinned: None, subject });
+        self.placed = Some(UploadedScene { session, thinned: None, subject });
         self.reconsider(requested);
         Ok(())
     }
@@ -439,8 +440,8 @@ fn no_points() -> pellucid_engine::Error {
     scene::Error::NoPoints { clouds: "the scene".into(), hidden: 0 }.into()
 }
 
-fn camera(scene: &Scene, pose: Pose, subject: &Subject, points: &Points) -> Result<Camera> {
-    let Subject { bounds, radius, up } = subject;
+fn camera(scene: &Scene, pose: Pose, subject: &CameraSubject, points: &Points) -> Result<Camera> {
+    let CameraSubject { bounds, radius, up } = subject;
     let settings = match pose {
         Pose::At(settings) => {
             let found = scene::camera_at(&settings, bounds, *radius);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::messages::Picture;
+use super::messages::WindowPicture;
 use pellucid_engine::profile::median;
 
 /// Number of frames whose times are kept.
@@ -13,7 +13,7 @@ const RECENT: usize = 15;
 
 /// The time of a frame.
 #[derive(Debug, Clone)]
-struct Frame {
+struct FrameTime {
     method: &'static str,
     /// The description of its draft.
     draft: String,
@@ -35,13 +35,13 @@ pub struct Medians {
 
 /// The times of the last frames.
 #[derive(Debug, Default)]
-pub struct Times(VecDeque<Frame>);
+pub struct Times(VecDeque<FrameTime>);
 
 impl Times {
     /// Adds a frame.
-    pub fn add(&mut self, picture: &Picture) {
+    pub fn add(&mut self, picture: &WindowPicture) {
         let profile = &picture.profile;
-        self.push(Frame {
+        self.push(FrameTime {
             method: picture.method,
             draft: picture.draft.clone(),
             wall_ms: profile.wall.as_secs_f64() * 1e3,
@@ -49,7 +49,7 @@ impl Times {
         });
     }
 
-    fn push(&mut self, frame: Frame) {
+    fn push(&mut self, frame: FrameTime) {
         self.0.push_back(frame);
         if self.0.len() > HISTORY {
             self.0.pop_front();
@@ -65,8 +65,8 @@ impl Times {
     /// about the whole picture. `None` before the first frame.
     pub fn medians(&self) -> Option<Medians> {
         let last = self.0.back()?;
-        let alike = |frame: &&Frame| frame.method == last.method && frame.draft == last.draft;
-        let frames: Vec<&Frame> = self.0.iter().rev().filter(alike).take(RECENT).collect();
+        let alike = |frame: &&FrameTime| frame.method == last.method && frame.draft == last.draft;
+        let frames: Vec<&FrameTime> = self.0.iter().rev().filter(alike).take(RECENT).collect();
         let median_of = |name: &'static str| {
             let runs = frames.iter().flat_map(|frame| &frame.passes).filter(|(other, _)| *other == name);
             (name, median(runs.map(|(_, ms)| *ms).collect()))
@@ -81,8 +81,8 @@ impl Times {
 mod tests {
     use super::*;
 
-    fn frame(draft: &str, wall_ms: f64) -> Frame {
-        Frame { method: "abuffer", draft: draft.into(), wall_ms, passes: vec![("a", 0.5 * wall_ms), ("b", 1.0)] }
+    fn frame(draft: &str, wall_ms: f64) -> FrameTime {
+        FrameTime { method: "abuffer", draft: draft.into(), wall_ms, passes: vec![("a", 0.5 * wall_ms), ("b", 1.0)] }
     }
 
     #[test]
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!((medians.wall_ms, medians.passes, medians.frames), (20.0, vec![("a", 10.0), ("b", 1.0)], 3));
         times.push(frame("whole", 400.0));
         assert_eq!(times.medians().map(|medians| (medians.wall_ms, medians.frames)), Some((250.0, 4)));
-        times.push(Frame { method: "sorted", ..frame("whole", 7.0) });
+        times.push(FrameTime { method: "sorted", ..frame("whole", 7.0) });
         assert_eq!(times.medians().map(|medians| (medians.wall_ms, medians.frames)), Some((7.0, 1)));
         (0..2 * HISTORY).for_each(|i| times.push(frame("whole", i as f64)));
         assert_eq!((times.walls().len(), times.walls().last()), (HISTORY, Some((2 * HISTORY - 1) as f64)));

@@ -12,11 +12,11 @@ use super::accuracy::{Exactness, History, Refinement};
 use super::display::{self, SceneImage, ScreenEncoder};
 use super::legend::Legends;
 use super::loss;
-use super::messages::{News, Picture, Request, Saving, Setup, Task};
+use super::messages::{News, Request, Saving, Setup, Task, WindowPicture};
 use super::navigate::Pose;
 use super::save;
 use super::sources::{Opened, statistics};
-use super::stage::{Stage, TakenPicture};
+use super::stage::{SceneRenderer, TakenPicture};
 use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path;
 use pellucid_engine::methods::{self, Frame};
@@ -105,10 +105,10 @@ impl Worker {
     ) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
         let (reporter, news) = mpsc::channel();
-        let stage = Stage::new(device, workload.sources, &setup)?;
+        let stage = SceneRenderer::new(device, workload.sources, &setup)?;
         let progress = stage.progress.clone();
         let (encoder, history) = (ScreenEncoder::new(device, blue_first)?, History::default());
-        let work = Work {
+        let work = WorkerState {
             stage,
             setup,
             generated: workload.generated,
@@ -182,8 +182,8 @@ impl Drop for Worker {
     }
 }
 
-struct Work {
-    stage: Stage,
+struct WorkerState {
+    stage: SceneRenderer,
     setup: Setup,
     /// True if no file contains the clouds.
     generated: bool,
@@ -193,7 +193,7 @@ struct Work {
     /// Columns and rows of the last picture's image, if its colors are on the device alone.
     unread: Option<[u32; 2]>,
     /// The last whole picture.
-    whole: Option<Whole>,
+    whole: Option<WholePicture>,
     /// True once there was a picture of clouds that stay in their files.
     surveyed: bool,
     legends: Legends,
@@ -201,7 +201,7 @@ struct Work {
 
 /// A whole picture that can be compared with an exact one.
 #[derive(Clone)]
-struct Whole {
+struct WholePicture {
     serial: u64,
     scene: Arc<Scene>,
     pose: Pose,
@@ -221,7 +221,7 @@ fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
     tasks
 }
 
-impl Work {
+impl WorkerState {
     /// Handles tasks until the sender is gone, the device is lost or the thread should end.
     fn run_all(
         mut self,
@@ -333,9 +333,9 @@ impl Work {
         self.history.add(scene, *pose, refinement, composed, whole);
         let TakenPicture { rendered, frame, subject, exactness, field, held, .. } = taken;
         if let (true, Some(exactness)) = (whole, exactness) {
-            self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, exactness });
+            self.whole = Some(WholePicture { serial: *serial, scene: scene.clone(), pose: *pose, frame, exactness });
         }
-        let picture = Picture {
+        let picture = WindowPicture {
             serial: *serial,
             pose: *pose,
             camera: frame.camera,
@@ -390,7 +390,7 @@ impl Work {
         progress.set_message("");
         let opened = opened?;
         let device = self.stage.renderer().device().clone();
-        self.stage = Stage::new(&device, opened.sources, &self.setup)?;
+        self.stage = SceneRenderer::new(&device, opened.sources, &self.setup)?;
         self.stage.progress = progress;
         // A file of the same name may have other contents now.
         (self.history, self.unread, self.whole) = (History::default(), None, None);

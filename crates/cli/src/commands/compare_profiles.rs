@@ -16,24 +16,26 @@ use super::tables::table;
 /// The part of a profile that is compared.
 #[derive(Debug, Deserialize)]
 struct Profile {
-    frames: Vec<Frame>,
+    frames: Vec<ProfiledFrame>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Frame {
+#[serde(expecting = "struct Frame")]
+struct ProfiledFrame {
     gpu_ms: Option<f64>,
-    passes: Vec<Pass>,
+    passes: Vec<ProfiledPass>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Pass {
+#[serde(expecting = "struct Pass")]
+struct ProfiledPass {
     name: String,
     gpu_ms: Option<f64>,
 }
 
 /// A pass, or the whole frame, in both profiles; no times where it isn't there or never measured.
 #[derive(Debug, PartialEq)]
-struct Row {
+struct PassComparison {
     name: String,
     a: Times,
     b: Times,
@@ -41,7 +43,7 @@ struct Row {
     share: Option<f64>,
 }
 
-impl Row {
+impl PassComparison {
     /// Median of B over that of A.
     fn ratio(&self) -> Option<f64> {
         Some(self.b.median()? / self.a.median()?)
@@ -92,7 +94,7 @@ pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower], 
     Ok(broken == 0)
 }
 
-fn find<'a>(rows: &'a [Row], name: &str) -> Option<&'a Row> {
+fn find<'a>(rows: &'a [PassComparison], name: &str) -> Option<&'a PassComparison> {
     rows.iter().find(|row| row.name == name)
 }
 
@@ -100,7 +102,7 @@ fn find<'a>(rows: &'a [Row], name: &str) -> Option<&'a Row> {
 ///
 /// # Errors
 /// The named pass is missing. The noise can't be estimated, either of the named pass or, without a name, of the frame.
-fn judged<'a>(rows: &'a [Row], limit: &Slower) -> Result<Vec<(&'a str, [f64; 2])>> {
+fn judged<'a>(rows: &'a [PassComparison], limit: &Slower) -> Result<Vec<(&'a str, [f64; 2])>> {
     let name = limit.pass.as_deref().unwrap_or(FRAME);
     let row = find(rows, name).ok_or_else(|| limit.unusable("no pass has this name"))?;
     let interval = row.interval().ok_or_else(|| limit.unusable(&too_few(row)))?;
@@ -111,7 +113,7 @@ fn judged<'a>(rows: &'a [Row], limit: &Slower) -> Result<Vec<(&'a str, [f64; 2])
     Ok(counting.filter_map(|row| Some((row.name.as_str(), row.interval()?))).collect())
 }
 
-fn too_few(row: &Row) -> String {
+fn too_few(row: &PassComparison) -> String {
     format!(
         "no noise estimate: each profile needs {MIN_TIMES} frames (--frames), but `{}` was measured in {} of A and {} of B",
         row.name,
@@ -129,7 +131,7 @@ fn read(path: &Path) -> Result<Profile, output::Error> {
 }
 
 /// The frame first, then the passes in the order of A, then those that only B has.
-fn rows(a: &Profile, b: &Profile) -> Vec<Row> {
+fn rows(a: &Profile, b: &Profile) -> Vec<PassComparison> {
     let mut seen = HashSet::new();
     let passes = a.frames.iter().chain(&b.frames).flat_map(|frame| &frame.passes);
     let names: Vec<&str> = passes.map(|pass| pass.name.as_str()).filter(|name| seen.insert(*name)).collect();
@@ -137,15 +139,15 @@ fn rows(a: &Profile, b: &Profile) -> Vec<Row> {
     let (whole_a, whole_b) = (whole(a), whole(b));
     let share = |pass: &Times, frame: &Times| Some(pass.median()? / frame.median()?);
     let (mut times_a, mut times_b) = (pass_times(a), pass_times(b));
-    let passes: Vec<Row> = names
+    let passes: Vec<PassComparison> = names
         .into_iter()
         .map(|name| {
             let [a, b] = [&mut times_a, &mut times_b].map(|times| Times::new(times.remove(name).unwrap_or_default()));
             let share = [share(&a, &whole_a), share(&b, &whole_b)].into_iter().flatten().reduce(f64::max);
-            Row { name: name.to_owned(), a, b, share }
+            PassComparison { name: name.to_owned(), a, b, share }
         })
         .collect();
-    let frame = Row { name: FRAME.to_owned(), a: whole_a, b: whole_b, share: Some(1.0) };
+    let frame = PassComparison { name: FRAME.to_owned(), a: whole_a, b: whole_b, share: Some(1.0) };
     std::iter::once(frame).chain(passes).collect()
 }
 
@@ -164,8 +166,8 @@ fn pass_times(profile: &Profile) -> HashMap<&str, Vec<f64>> {
     times
 }
 
-fn to_json(rows: &[Row]) -> serde_json::Value {
-    let row = |row: &Row| {
+fn to_json(rows: &[PassComparison]) -> serde_json::Value {
+    let row = |row: &PassComparison| {
         json!({
             "name": row.name,
             "a_ms": row.a.median(),
@@ -180,9 +182,9 @@ fn to_json(rows: &[Row]) -> serde_json::Value {
     json!({ "frame": frame.first().map(row), "passes": passes.iter().map(row).collect::<Vec<_>>() })
 }
 
-fn to_text(rows: &[Row]) -> String {
+fn to_text(rows: &[PassComparison]) -> String {
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
-    let line = |row: &Row| {
+    let line = |row: &PassComparison| {
         [
             row.name.clone(),
             number(row.a.median()),
@@ -199,7 +201,7 @@ fn to_text(rows: &[Row]) -> String {
     format!("{}\n{notes}", table.trim_fmt())
 }
 
-fn verdict_text(row: &Row) -> String {
+fn verdict_text(row: &PassComparison) -> String {
     match row.verdict() {
         None if row.a.count() == 0 && row.b.count() > 0 => "only in B".to_owned(),
         None if row.b.count() == 0 && row.a.count() > 0 => "only in A".to_owned(),
@@ -210,7 +212,7 @@ fn verdict_text(row: &Row) -> String {
 }
 
 /// Notes on the table.
-fn notes(rows: &[Row]) -> Vec<String> {
+fn notes(rows: &[PassComparison]) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(row) = find(rows, FRAME).filter(|row| row.interval().is_none()) {
         notes.push(too_few(row));
@@ -245,7 +247,7 @@ mod tests {
         let rows = rows(&a, &b);
         let row = |name: &str, a: &[f64], b: &[f64], share| {
             let [a, b] = [a, b].map(|times| Times::new(times.to_vec()));
-            Row { name: name.into(), a, b, share }
+            PassComparison { name: name.into(), a, b, share }
         };
         let count = row("x/count", &[3.0, 5.0, 10.0], &[], Some(5.0 / 6.0));
         assert_eq!(rows, [row(FRAME, &[4.0, 6.0, 11.0], &[3.0, 6.0], Some(1.0)), count, row("y", &[], &[], None)]);

@@ -15,14 +15,14 @@ use serde_json::{Value, json};
 
 /// Profiles of one frame each.
 #[derive(Default)]
-pub struct Measured {
+pub struct FrameProfiles {
     /// Profiles by frame number.
     frames: BTreeMap<usize, Value>,
     /// True if some were measured by this command.
     has_new: bool,
 }
 
-impl Measured {
+impl FrameProfiles {
     /// Adds a rendered frame and returns its profile; `identity` identifies its picture.
     pub fn add(
         &mut self,
@@ -96,11 +96,11 @@ impl Journal {
     ///
     /// # Errors
     /// The file of lines can't be read or written.
-    pub fn open(path: &Path, identities: &[String], there: &[bool]) -> Result<(Self, Measured)> {
+    pub fn open(path: &Path, identities: &[String], there: &[bool]) -> Result<(Self, FrameProfiles)> {
         let mut name = path.as_os_str().to_owned();
         name.push(".partial");
         let lines = PathBuf::from(name);
-        let mut measured = Measured::default();
+        let mut measured = FrameProfiles::default();
         // Files that are not there, or of something else, hold nothing that is wanted.
         if let Ok(bytes) = fs::read(path)
             && let Ok(whole) = serde_json::from_slice(&bytes)

@@ -10,7 +10,7 @@ use super::along::{Along, PathArgs};
 use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
-use super::measured::Measured;
+use super::measured::FrameProfiles;
 use super::options::{DeviceArgs, MeasureArgs, one_of};
 
 #[derive(Debug, Args)]
@@ -88,7 +88,7 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
     }
     session.renderer.recycle(first.image);
     progress.counted("measuring", cameras.len() as u64);
-    let mut measured = Measured::default();
+    let mut measured = FrameProfiles::default();
     let moves = args.along.option().is_some();
     for (number, camera) in cameras.iter().enumerate() {
         session.frame.camera = *camera;

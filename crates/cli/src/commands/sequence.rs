@@ -18,7 +18,7 @@ use super::console::Console;
 use super::films::{Caption, Films};
 use super::frames::Pattern;
 use super::job::RenderJob;
-use super::measured::{Journal, Measured};
+use super::measured::{FrameProfiles, Journal};
 use super::options::write_json;
 use super::picture::finish;
 use super::popped::Popped;
@@ -52,7 +52,7 @@ pub struct Due<'a> {
 /// Measurements of the sequence.
 #[derive(Default)]
 pub struct Records {
-    measured: Measured,
+    measured: FrameProfiles,
     journal: Option<Journal>,
     /// The frames rendered in this run, if a trace is wanted.
     trace: Option<Profile>,
@@ -216,7 +216,7 @@ impl Records {
                 let (journal, measured) = Journal::open(path, &frames.identities, &frames.there)?;
                 (Some(journal), measured)
             }
-            None => (None, Measured::default()),
+            None => (None, FrameProfiles::default()),
         };
         Ok(Self { measured, journal, trace, popped })
     }

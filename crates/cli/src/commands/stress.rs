@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use pellucid_engine::Result;
-use pellucid_lab::report::page::{self, Table};
+use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::stress::{self, Cell, Report, Settings, Slope, Sweep};
 use pellucid_scene::Method;
 
@@ -111,7 +111,7 @@ fn summary(sweep: &Sweep, folder: &Path) -> String {
     let slope = |cell: &Cell| Slope::of(&slopes, cell);
     let hundredths = |value: f64| format!("{value:.2}");
     let exponent = |slope: &Slope| hundredths(slope.law.exponent);
-    let table = Table::new(sweep.deepest())
+    let table = ReportTable::new(sweep.deepest())
         .text("scene", |cell| cell.workload.name())
         .text("pixels", |cell| format!("{0} × {0}", cell.side))
         .text("method", |cell| cell.method)

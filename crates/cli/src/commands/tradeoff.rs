@@ -10,9 +10,9 @@ use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Frame};
 use pellucid_io::output;
-use pellucid_lab::report::page::{self, Table};
+use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::popping;
-use pellucid_lab::report::tradeoff::{self, Options, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
+use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options, Shaded, ShadedStep, Skipped, Tradeoff};
 use pellucid_scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session};
@@ -221,7 +221,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let frame = Frame { shading, shadows, detail: Default::default(), factors, ..prepared.frame() };
     let background = scene.image.background;
     let (arranged, scene) = (prepared.assembled.arranged(), prepared.request.name.as_str());
-    let subject = Subject { arranged, frame, background, scene, cameras: &cameras };
+    let subject = MeasuredScene { arranged, frame, background, scene, cameras: &cameras };
     progress.counted("tradeoff", 1);
     let report = tradeoff::run(&device, &subject, &args.options(begin), &args.output, &progress)?;
     progress.stage("writing the report");
@@ -254,7 +254,7 @@ fn warn_of_left_out(report: &Tradeoff, console: Console) {
 fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
     let error = |error: f64| format!("{error:.2e}");
     let mib = |mib: f64| format!("{mib:.1}");
-    let mut table = Table::new(&report.rows)
+    let mut table = ReportTable::new(&report.rows)
         .text("front", |row| if row.front { "*" } else { "" })
         .text("method", |row| &row.method)
         .text("setting", |row| row.setting.replace("method.", ""))

@@ -25,7 +25,7 @@ const FEWEST: usize = 2;
 const WORDS: f32 = 12.0;
 
 /// A row of a legend.
-pub enum Row<'a> {
+pub enum LegendRow<'a> {
     /// The name of a file.
     Title(String),
     /// Words.
@@ -41,9 +41,9 @@ pub enum Row<'a> {
 }
 
 /// A legend with the sizes of its parts, in pixels.
-pub struct Layout<'a> {
+pub struct LegendLayout<'a> {
     /// The rows from the top, each with its height.
-    pub rows: Vec<(Row<'a>, f32)>,
+    pub rows: Vec<(LegendRow<'a>, f32)>,
     /// Columns and rows of the panel.
     pub panel: [f32; 2],
     /// The height of letters' em square.
@@ -52,7 +52,7 @@ pub struct Layout<'a> {
 }
 
 /// Distances that depend on the size of letters.
-impl Layout<'_> {
+impl LegendLayout<'_> {
     /// A line of text.
     pub fn line(em: f32) -> f32 {
         (1.35 * em).round()
@@ -74,7 +74,7 @@ impl Layout<'_> {
     }
 }
 
-impl<'a> Layout<'a> {
+impl<'a> LegendLayout<'a> {
     /// The legend for a picture of so many columns and rows; `None` if there is nothing to show.
     ///
     /// # Errors
@@ -119,13 +119,13 @@ struct Builder<'a> {
     em: f32,
     /// Pixels that text may take.
     room: f32,
-    rows: Vec<(Row<'a>, f32)>,
+    rows: Vec<(LegendRow<'a>, f32)>,
     /// Pixels that the widest row takes.
     widest: f32,
 }
 
 impl<'a> Builder<'a> {
-    fn push(&mut self, row: Row<'a>, [width, height]: [f32; 2]) {
+    fn push(&mut self, row: LegendRow<'a>, [width, height]: [f32; 2]) {
         self.widest = self.widest.max(width);
         self.rows.push((row, height));
     }
@@ -142,23 +142,23 @@ impl<'a> Builder<'a> {
             let words = bar.label.split_whitespace().map(|word| self.letters.width(word));
             let words = lines.iter().map(|line| self.letters.width(line)).chain(words);
             let width = words.fold(bar.length_px as f32, f32::max);
-            let height = lines.len() as f32 * Layout::line(self.em) + (0.5 * self.em).round();
-            self.push(Row::Scale(bar.clone(), lines), [width, height]);
+            let height = lines.len() as f32 * LegendLayout::line(self.em) + (0.5 * self.em).round();
+            self.push(LegendRow::Scale(bar.clone(), lines), [width, height]);
         }
     }
 
     fn gap(&mut self) {
         if !self.rows.is_empty() {
-            self.push(Row::Gap, [0.0, (0.7 * self.em).round()]);
+            self.push(LegendRow::Gap, [0.0, (0.7 * self.em).round()]);
         }
     }
 
     fn entry(&mut self, title: Option<String>, entry: &'a Entry, bar_lines: u32, most_swatches: usize) {
-        let line = Layout::line(self.em);
+        let line = LegendLayout::line(self.em);
         if let Some(title) = title {
             let title = self.letters.fit(&title, self.room);
             let width = self.letters.width(&title);
-            self.push(Row::Title(title), [width, line]);
+            self.push(LegendRow::Title(title), [width, line]);
         }
         self.words(entry.heading.as_deref().unwrap_or_default());
         if let Some(values) = &entry.values {
@@ -166,10 +166,10 @@ impl<'a> Builder<'a> {
             self.words(values.note.unwrap_or_default());
         }
         for swatch in entry.swatches.iter().take(most_swatches) {
-            let aside = Layout::swatch(self.em) + Layout::aside(self.em);
+            let aside = LegendLayout::swatch(self.em) + LegendLayout::aside(self.em);
             let label = self.letters.fit(&swatch.label, self.room - aside);
             let width = aside + self.letters.width(&label);
-            self.push(Row::Swatch(swatch, label), [width, line]);
+            self.push(LegendRow::Swatch(swatch, label), [width, line]);
         }
         if let more @ 1.. = entry.swatches.len().saturating_sub(most_swatches) {
             self.words(&format!("and {more} more"));
@@ -179,16 +179,16 @@ impl<'a> Builder<'a> {
     fn words(&mut self, words: &str) {
         for text in self.letters.wrap(words, self.room.min(WORDS * self.em)) {
             let width = self.letters.width(&text);
-            self.push(Row::Text(text), [width, Layout::line(self.em)]);
+            self.push(LegendRow::Text(text), [width, LegendLayout::line(self.em)]);
         }
     }
 
     fn values(&mut self, values: &'a Values, bar_lines: u32) {
         let ticks = values.scale.ticks(if bar_lines >= 8 { 6 } else { 5 }, values.whole);
         let labels = ticks.iter().map(|tick| self.letters.width(&tick.label)).fold(0.0, f32::max);
-        let width = Layout::swatch(self.em) + Layout::aside(self.em) + labels;
+        let width = LegendLayout::swatch(self.em) + LegendLayout::aside(self.em) + labels;
         // A value alone has one color. Half a line above and below is for the labels at the ends.
         let lines = if ticks.len() == 1 { 1.0 } else { bar_lines as f32 + 1.0 };
-        self.push(Row::Bar(values, ticks), [width, lines * Layout::line(self.em)]);
+        self.push(LegendRow::Bar(values, ticks), [width, lines * LegendLayout::line(self.em)]);
     }
 }

@@ -18,7 +18,7 @@ use pellucid_scene::legend::{Legend, ScaleBar, Values};
 use pellucid_session::{Messages, Prepared};
 
 use canvas::{Canvas, Ink};
-use layout::{Layout, Row};
+use layout::{LegendLayout, LegendRow};
 
 /// Linear luminance of a background from which on the panel is light: sRGB 0.5, halfway between black and white to the
 /// eye.
@@ -58,7 +58,7 @@ impl Looks {
 /// The legend does not fit into the picture.
 pub fn check(prepared: &Prepared, messages: &dyn Messages) -> Result<()> {
     let Some(legend) = &prepared.assembled.legend else { return Ok(()) };
-    match Layout::new(legend, &prepared.camera, prepared.scene().image.size) {
+    match LegendLayout::new(legend, &prepared.camera, prepared.scene().image.size) {
         Ok(Some(_)) => {}
         Ok(None) => messages.note(
             &"--legend draws nothing: the colors show neither values nor classes (see --color-by), and a scale bar needs an \
@@ -81,7 +81,7 @@ pub fn write(
     let mut raster = output::raster(image, options);
     // The background of a transparent picture is not known.
     let looks = if options.transparent { DARK_PANEL } else { Looks::on(options.background) };
-    match Layout::new(legend, camera, raster.size) {
+    match LegendLayout::new(legend, camera, raster.size) {
         Ok(Some(layout)) => draw(&layout, looks, &mut raster),
         Ok(None) => {}
         Err(misfit) => messages.warn(&misfit),
@@ -90,8 +90,8 @@ pub fn write(
 }
 
 /// Draws a legend into the lower left corner.
-fn draw(layout: &Layout<'_>, looks: Looks, raster: &mut Raster) {
-    let padding = Layout::padding(layout.em);
+fn draw(layout: &LegendLayout<'_>, looks: Looks, raster: &mut Raster) {
+    let padding = LegendLayout::padding(layout.em);
     let corner = [padding, raster.size[1] as f32 - padding - layout.panel[1]];
     let mut pen = Pen { canvas: Canvas::new(raster), layout, looks };
     pen.canvas.fill(corner, layout.panel, looks.panel);
@@ -105,24 +105,28 @@ fn draw(layout: &Layout<'_>, looks: Looks, raster: &mut Raster) {
 /// Means by which rows are drawn.
 struct Pen<'a> {
     canvas: Canvas<'a>,
-    layout: &'a Layout<'a>,
+    layout: &'a LegendLayout<'a>,
     looks: Looks,
 }
 
 impl Pen<'_> {
-    fn row(&mut self, row: &Row<'_>, [x, y]: [f32; 2], height: f32) {
+    fn row(&mut self, row: &LegendRow<'_>, [x, y]: [f32; 2], height: f32) {
         let (em, middle) = (self.layout.em, y + 0.5 * height);
         match row {
-            Row::Title(text) => self.canvas.write(&self.layout.letters, [x, middle], text, self.looks.title),
-            Row::Text(text) => self.words([x, middle], text),
-            Row::Bar(values, ticks) => self.bar(values, ticks, [x, y], height),
-            Row::Swatch(swatch, label) => {
+            LegendRow::Title(text) => self.canvas.write(&self.layout.letters, [x, middle], text, self.looks.title),
+            LegendRow::Text(text) => self.words([x, middle], text),
+            LegendRow::Bar(values, ticks) => self.bar(values, ticks, [x, y], height),
+            LegendRow::Swatch(swatch, label) => {
                 let side = (0.9 * em).round();
-                self.canvas.fill([x, (middle - 0.5 * side).round()], [Layout::swatch(em), side], ink(swatch.srgb));
-                self.words([x + Layout::swatch(em) + Layout::aside(em), middle], label);
+                self.canvas.fill(
+                    [x, (middle - 0.5 * side).round()],
+                    [LegendLayout::swatch(em), side],
+                    ink(swatch.srgb),
+                );
+                self.words([x + LegendLayout::swatch(em) + LegendLayout::aside(em), middle], label);
             }
-            Row::Scale(bar, lines) => self.scale_bar(bar, lines, [x, y]),
-            Row::Gap => {}
+            LegendRow::Scale(bar, lines) => self.scale_bar(bar, lines, [x, y]),
+            LegendRow::Gap => {}
         }
     }
 
@@ -133,8 +137,8 @@ impl Pen<'_> {
     /// A color bar, its high end at the top, with a mark at each number, and the numbers that don't touch the one
     /// before.
     fn bar(&mut self, values: &Values, ticks: &[Tick], [x, y]: [f32; 2], height: f32) {
-        let (em, width) = (self.layout.em, Layout::swatch(self.layout.em));
-        let line = Layout::line(em);
+        let (em, width) = (self.layout.em, LegendLayout::swatch(self.layout.em));
+        let line = LegendLayout::line(em);
         let (top, tall) = if ticks.len() == 1 { (y, line) } else { (y + (0.5 * line).round(), height - line) };
         for row in 0..tall as u32 {
             let place = if ticks.len() == 1 { 0.0 } else { 1.0 - (f64::from(row) + 0.5) / f64::from(tall) };
@@ -145,7 +149,7 @@ impl Pen<'_> {
             let at = if ticks.len() == 1 { top + 0.5 * tall } else { top + (1.0 - tick.place as f32) * tall };
             self.canvas.fill([x + width, (at - 0.5).round()], [(0.3 * em).round(), 1.0], self.looks.text);
             if at + 0.5 * em < free_above {
-                self.words([x + width + Layout::aside(em), at], &tick.label);
+                self.words([x + width + LegendLayout::aside(em), at], &tick.label);
                 free_above = at - 0.5 * em;
             }
         }
@@ -161,7 +165,7 @@ impl Pen<'_> {
             self.canvas.fill([at, y], [thick, mark], text);
         }
         for (number, words) in lines.iter().enumerate() {
-            self.words([x, y + mark + 0.75 * em + number as f32 * Layout::line(em)], words);
+            self.words([x, y + mark + 0.75 * em + number as f32 * LegendLayout::line(em)], words);
         }
     }
 }

@@ -12,7 +12,7 @@ use pellucid_gpu::Device;
 use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series};
 use pellucid_scene::{BlendedSplats, Method};
 
-use super::scenes::Subject;
+use super::scenes::SoftScene;
 use super::{Contender, gpu_ms};
 
 /// Eye to center, over the diagonal of the scene's box, at the path's ends and in its middle: into the scene and out
@@ -23,10 +23,10 @@ const CLOSE: f64 = 0.15;
 const RISE: f64 = 0.3;
 
 /// Milliseconds and fragments of one frame of each method.
-type Place = Vec<(f64, u64)>;
+type PathFrame = Vec<(f64, u64)>;
 
 /// Writes `path.csv`, `path-time.svg` and `path-fragments.svg`.
-pub fn measure(device: &Device, subject: &Subject, count: usize, folder: &Path) -> Result<()> {
+pub fn measure(device: &Device, subject: &SoftScene, count: usize, folder: &Path) -> Result<()> {
     let mut cloud = Renderer::new(device)?.upload(&subject.points)?;
     let soft = subject.soft;
     let mut all = [
@@ -35,11 +35,11 @@ pub fn measure(device: &Device, subject: &Subject, count: usize, folder: &Path) 
         Contender::new(device, "soft-concentric", Method::SoftConcentric(soft))?,
         Contender::new(device, "soft-express", Method::SoftExpress(soft))?,
     ];
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<PathFrame> = Vec::new();
     // Once around without looking at the times: pipelines and buffers.
     for (round, step) in [0, count / 2].into_iter().chain(0..count).enumerate() {
         let frame = Frame { camera: camera(subject, step, count), ..subject.frame };
-        let mut place = Place::new();
+        let mut place = PathFrame::new();
         for contender in &mut all {
             let rendered = contender.render(&mut cloud, &frame)?;
             place.push((gpu_ms(&rendered), rendered.facts.fragments));
@@ -64,7 +64,7 @@ pub fn measure(device: &Device, subject: &Subject, count: usize, folder: &Path) 
 }
 
 /// Returns a camera on a turn around the center of the scene's box, closest halfway.
-fn camera(subject: &Subject, step: usize, count: usize) -> Camera {
+fn camera(subject: &SoftScene, step: usize, count: usize) -> Camera {
     let bounds = subject.points.bounds().expect("assembled scenes have points");
     let (given, share) = (subject.frame.camera, step as f64 / count as f64);
     let diagonal = (bounds.max - bounds.min).length();
@@ -79,7 +79,7 @@ fn camera(subject: &Subject, step: usize, count: usize) -> Camera {
     Camera::look_at(eye, center, up, projection, 1e-3 * diagonal, 3.0 * diagonal).unwrap_or(given)
 }
 
-fn csv(names: &[&str], places: &[Place]) -> String {
+fn csv(names: &[&str], places: &[PathFrame]) -> String {
     let columns = names.iter().flat_map(|name| [format!("{name} ms"), format!("{name} fragments")]);
     let mut text = format!("frame,{}\n", columns.collect::<Vec<_>>().join(","));
     for (frame, place) in places.iter().enumerate() {
@@ -89,9 +89,9 @@ fn csv(names: &[&str], places: &[Place]) -> String {
     text
 }
 
-fn figure(names: &[&str], places: &[Place], label: &'static str, value: impl Fn((f64, u64)) -> f64) -> Figure {
+fn figure(names: &[&str], places: &[PathFrame], label: &'static str, value: impl Fn((f64, u64)) -> f64) -> Figure {
     let series = |(index, _): (usize, &&str)| {
-        let point = |(frame, place): (usize, &Place)| Point::new(frame as f64, value(place[index]));
+        let point = |(frame, place): (usize, &PathFrame)| Point::new(frame as f64, value(place[index]));
         // A method without lists has no fragments to count.
         Series::new(index, places.iter().enumerate().map(point).filter(|point| point.y > 0.0))
     };

@@ -22,7 +22,7 @@ const BUILTINS: [Builtin; 3] = [
 const SIZE: (&str, &str) = ("image.size", "[640, 480]");
 
 /// A scene with the settings of its soft points.
-pub struct Subject {
+pub struct SoftScene {
     pub name: String,
     pub points: Points,
     /// Frame of method `soft-express`.
@@ -30,7 +30,7 @@ pub struct Subject {
     pub soft: Soft,
 }
 
-impl Subject {
+impl SoftScene {
     /// The one layer of the same points, as opaque as the soft ones are at most.
     pub fn one_layer(&self) -> Method {
         let softness = OneLayer::default().softness;
@@ -56,19 +56,19 @@ impl Subject {
 }
 
 /// The built-in scenes, then others.
-pub fn all(inputs: &[PathBuf]) -> impl Iterator<Item = Result<Subject>> {
+pub fn all(inputs: &[PathBuf]) -> impl Iterator<Item = Result<SoftScene>> {
     BUILTINS.iter().map(builtin).chain(inputs.iter().map(|path| from_path(path)))
 }
 
-fn builtin((name, keys): &Builtin) -> Result<Subject> {
+fn builtin((name, keys): &Builtin) -> Result<SoftScene> {
     let overrides = overrides(keys)?;
     let generated = procedural::build(name, &[], 0).map_err(scene::Error::from)?;
     let scene = Scene::from_toml_with(&generated.scene_toml, name.as_ref(), &overrides)?;
     let clouds = scene::take_generated(&scene, &generated)?;
-    Subject::new((*name).to_owned(), &scene, clouds)
+    SoftScene::new((*name).to_owned(), &scene, clouds)
 }
 
-fn from_path(path: &Path) -> Result<Subject> {
+fn from_path(path: &Path) -> Result<SoftScene> {
     let scene = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
         Scene::read(path, &Overrides::default())?
     } else {
@@ -76,7 +76,7 @@ fn from_path(path: &Path) -> Result<Subject> {
     };
     let clouds = scene::load_clouds(&scene, &Progress::hidden())?;
     let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    Subject::new(name, &scene, clouds)
+    SoftScene::new(name, &scene, clouds)
 }
 
 /// Overrides that choose a soft method, so that fields are found.

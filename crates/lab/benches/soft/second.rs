@@ -12,7 +12,7 @@ use pellucid_lab::report::stress::Spread;
 use pellucid_scene::{Density, Method, Soft};
 
 use super::Contender;
-use super::scenes::Subject;
+use super::scenes::SoftScene;
 
 /// A model of soft transparency.
 type Model = fn(Soft) -> Method;
@@ -27,7 +27,7 @@ const MODELS: [(&str, Model); 3] = [
 const CHANGES: [&str; 6] = ["nothing", "threshold", "softness", "modulation", "radius", "view"];
 
 /// A frame that differs from the first one by a change, and from the frames of other rounds by how much of it.
-fn changed(subject: &Subject, change: &str, model: Model, round: usize) -> Frame {
+fn changed(subject: &SoftScene, change: &str, model: Model, round: usize) -> Frame {
     let (mut frame, mut soft) = (subject.frame, subject.soft);
     let amount = 0.002 * (round + 1) as f32;
     match change {
@@ -42,7 +42,7 @@ fn changed(subject: &Subject, change: &str, model: Model, round: usize) -> Frame
 }
 
 /// Writes `second.md` and `second.csv`.
-pub fn measure(device: &Device, subject: &Subject, rounds: usize, folder: &Path) -> Result<()> {
+pub fn measure(device: &Device, subject: &SoftScene, rounds: usize, folder: &Path) -> Result<()> {
     let mut markdown = String::from(
         "| method | frame after a change of | ms | of a repeated frame | bytes uploaded |\n|---|---|---|---|---|\n",
     );

@@ -9,7 +9,7 @@ use pellucid_gpu::Device;
 use pellucid_lab::report::stress::Spread;
 use pellucid_scene::{BlendedSplats, Method};
 
-use super::scenes::Subject;
+use super::scenes::SoftScene;
 use super::{Contender, gpu_ms};
 
 /// The paper's: name, million points, frames per second of SP, OLT and ST.
@@ -42,7 +42,7 @@ impl Row {
 }
 
 /// Renders the three in turns.
-pub fn measure(device: &Device, subject: &Subject, frames: usize) -> Result<Row> {
+pub fn measure(device: &Device, subject: &SoftScene, frames: usize) -> Result<Row> {
     let mut cloud = Renderer::new(device)?.upload(&subject.points)?;
     let mut three = [
         Contender::new(device, "splats", Method::Splats(BlendedSplats::default()))?,

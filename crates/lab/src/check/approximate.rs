@@ -6,7 +6,7 @@ use super::discs::{SATURATED, reversed, roundings, ties};
 use super::lists::{approximations, exact};
 use super::naive::{half, over, over_until, weighted};
 use super::stage::{COMPENSATED, Dot, HALF_ULP, apart, composed, dot, fragments, graded};
-use super::{Case, CaseResult, Finding, Stage, each, joined};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
 use pellucid_reference::approximate;
 use pellucid_scene::{Discs, Hybrid, Method};
 
@@ -42,7 +42,7 @@ fn times(color: Vec3, alpha: f64) -> [f64; 4] {
     (color.as_dvec3() * alpha).extend(alpha).to_array()
 }
 
-fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
+fn equal_colors(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(100_000, COLOR, 0.5);
     let wanted = times(COLOR, 1.0);
     let found = stage.pixel(&dots, method)?;
@@ -50,14 +50,14 @@ fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(apart(&found, &wanted), COMPENSATED, apart(&[sum.x, sum.y, sum.z], &wanted[..3])))
 }
 
-fn weighted_equal(stage: &mut Stage, method: Method) -> CaseResult {
+fn weighted_equal(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(10_000, COLOR, 1e-4);
     let wanted = times(COLOR, composed(&dots)[3]);
     let found = stage.pixel(&dots, method)?;
     Ok(Finding::apart(&found, &over(&dots), &wanted, COMPENSATED))
 }
 
-fn at_far(stage: &mut Stage, method: Method) -> CaseResult {
+fn at_far(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let far = 1e7;
     let dots = [dot(far, Vec3::X, 0.25), dot(far, Vec3::Y, 0.5), dot(far, Vec3::Z, 0.25)];
     let alpha = 1.0 - 0.75 * 0.5 * 0.75;
@@ -67,14 +67,14 @@ fn at_far(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(apart(&stage.pixel(&dots, method)?, &wanted), COMPENSATED, naive))
 }
 
-fn large_sums(stage: &mut Stage, method: Method) -> CaseResult {
+fn large_sums(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(200, COLOR, 0.5);
     let found = stage.pixel(&dots, method)?;
     // Sums of 300 000 are infinite in 16 bits, and their quotient is no number.
     Ok(Finding::apart(&found, &weighted(&dots, [0.5, 1e7], half), &times(COLOR, 1.0), COMPENSATED))
 }
 
-fn file_order(stage: &mut Stage, method: Method) -> CaseResult {
+fn file_order(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = [dot(2.0, Vec3::X, 0.5), dot(9.0, Vec3::Y, 0.5), dot(5.0, Vec3::Z, 0.5)];
     let found = stage.pixel(&dots, method)?;
     let wanted = [0.125, 0.25, 0.5, 0.875];
@@ -83,14 +83,14 @@ fn file_order(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::apart(&found, &by_depth, &wanted, 0.0))
 }
 
-fn faint(stage: &mut Stage, method: Method) -> CaseResult {
+fn faint(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(100_000, Vec3::ONE, 1e-7);
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
     Ok(Finding::apart(&found, &over(&dots), &wanted, COMPENSATED * wanted[3]))
 }
 
-fn as_many_as_k(stage: &mut Stage, method: Method) -> CaseResult {
+fn as_many_as_k(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots: Vec<Dot> = (0..8).map(|i| dot(1.0 + f64::from(i), graded(i, 8), 0.3)).collect();
     let wanted = composed(&dots);
     let mut shuffled = dots.clone();
@@ -103,7 +103,7 @@ fn as_many_as_k(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::apart(&found, &mixed, &wanted, 32.0 * HALF_ULP))
 }
 
-fn behind_one(stage: &mut Stage, method: Method) -> CaseResult {
+fn behind_one(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut dots = layers(2000, Vec3::Y, 1e-3);
     dots.insert(0, dot(0.75, Vec3::X, 0.999));
     let wanted = composed(&dots);

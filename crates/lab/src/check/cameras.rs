@@ -8,7 +8,7 @@ use super::naive::{is_between, over};
 use super::stage::{
     Dot, HALF_ULP, at, cloud, colors_of, composed, dot, graded, mixed, perspective, pixels, pixels_apart,
 };
-use super::{Case, CaseResult, Finding, Stage, each, joined};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
 use pellucid_core::camera::Camera;
 use pellucid_reference::{abuffer, coverage};
 use pellucid_scene::{DiscShape, Discs, Family, Method};
@@ -61,7 +61,7 @@ fn some(count: u32, middle: DVec3, half: DVec3, radius: f32) -> Vec<Dot> {
 
 /// Discs whose every pixel is clear in float32 against float64; `naive` renders other ones.
 fn against_float64(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     dots: &[Dot],
     camera: Camera,
     method: Method,
@@ -86,7 +86,7 @@ fn against_float64(
     Ok(Finding::new(error, bound, pixels_apart(&other, &wanted.rgba)))
 }
 
-fn narrow(stage: &mut Stage, method: Method) -> CaseResult {
+fn narrow(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [1, 4096];
     let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 1.0, 1.0, 1000.0);
     let focal = camera.focal_px(size[1]);
@@ -110,7 +110,7 @@ fn narrow(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::counted(error, naive))
 }
 
-fn wide(stage: &mut Stage, method: Method) -> CaseResult {
+fn wide(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = perspective(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.1, 0.2, -1.0), 170.0, 1e-3, 1e3);
     let dots = some(200, DVec3::new(0.0, 0.0, -1.0), DVec3::new(12.0, 9.0, 1.0), 0.1);
     // A radius by the distance of the point, and not by its depth, which is a tenth of it here.
@@ -121,7 +121,7 @@ fn wide(stage: &mut Stage, method: Method) -> CaseResult {
     against_float64(stage, &dots, camera, method, by_distance)
 }
 
-fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
+fn through_the_eye(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
     let tilted = |dot: &Dot| Dot {
         radius: 40.0 * dot.radius,
@@ -135,7 +135,7 @@ fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
     against_float64(stage, &dots, camera, method, cut)
 }
 
-fn depth_range(stage: &mut Stage, method: Method) -> CaseResult {
+fn depth_range(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
     // Eight depths a unit of float32 apart, at both ends and between.
     let depth = |i: u32| {
@@ -157,7 +157,7 @@ fn depth_range(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::apart(&found, &over(&by_key), &wanted, roundings(&method, 40) * HALF_ULP))
 }
 
-fn depth_limits(stage: &mut Stage, method: Method) -> CaseResult {
+fn depth_limits(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = Camera { near: 8.0, far: 1000.0, ..pixels([4, 1]) };
     let depths = [8f32.next_down(), 8.0, 1000.0, 1000f32.next_up()];
     let dot = |(x, depth): (u32, &f32)| Dot { position: at(x, 0, f64::from(*depth)), ..Dot::default() };
@@ -169,7 +169,7 @@ fn depth_limits(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::pixels(&image.rgba, &naive, &wanted, 0.0))
 }
 
-fn behind(stage: &mut Stage, method: Method) -> CaseResult {
+fn behind(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 60.0, 0.5, 100.0);
     let at = |x: f64, z: f64| Dot {
         position: DVec3::new(x, 0.01, z),

@@ -6,7 +6,7 @@ use pellucid_engine::Result;
 
 use super::lists::with_samples;
 use super::stage::{frame, in_cube, perspective};
-use super::{Case, CaseResult, Finding, Stage, each, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, one};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::image::Image;
 use pellucid_scene::{self as scene, Method, Scene, Setting};
@@ -39,7 +39,7 @@ fn cloud() -> Cloud {
     }
 }
 
-fn picture(stage: &mut Stage, clip: &str, method: Method) -> Result<Image> {
+fn picture(stage: &mut CaseRenderer, clip: &str, method: Method) -> Result<Image> {
     let scene = Scene { method: method.into(), ..scene_of(&format!("field = \"soft\"\n{clip}"))? };
     let arranged = scene::arrange(&scene, vec![cloud()], 1, &Progress::hidden())?;
     let camera = perspective(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, 45.0, 0.125, 128.0);
@@ -52,7 +52,7 @@ fn most(image: &Image, channel: usize) -> f64 {
     image.rgba.iter().map(value).fold(0.0, f64::max)
 }
 
-fn clipped(stage: &mut Stage, method: Method) -> CaseResult {
+fn clipped(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let cut = picture(stage, "[[clip]]\nplane = { point = [0, 0, 0], normal = [-1, 0, 0] }", method)?;
     let whole = picture(stage, "", method)?;
     // Something is drawn of what remains.

@@ -7,7 +7,7 @@ use pellucid_engine::Result;
 
 use super::lists::exact;
 use super::stage::{HALF_ULP, apart, at, composed, dot, frame, pixels};
-use super::{Case, CaseResult, Finding, Stage, each, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, one};
 use pellucid_core::camera::Camera;
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_scene::{self as scene, Method, Scene};
@@ -47,7 +47,7 @@ fn row(count: usize) -> Cloud {
 }
 
 /// The picture of a row with these keys of its cloud.
-fn picture(stage: &mut Stage, cloud: Cloud, keys: &str) -> Result<Vec<[f32; 4]>> {
+fn picture(stage: &mut CaseRenderer, cloud: Cloud, keys: &str) -> Result<Vec<[f32; 4]>> {
     let text = format!("[method]\nname = \"points\"\n[[cloud]]\npath = \"cloud.las\"\n{keys}\n");
     let scene = Scene::from_toml(&text, "check".as_ref())?;
     let size = [cloud.len() as u32, 1];
@@ -60,7 +60,7 @@ fn colors_apart(found: &[[f32; 4]], wanted: &[[f64; 3]]) -> f64 {
     if colors.len() == 3 * wanted.len() { apart(&colors, wanted.as_flattened()) } else { f64::INFINITY }
 }
 
-fn constant(stage: &mut Stage) -> CaseResult {
+fn constant(stage: &mut CaseRenderer) -> CaseResult {
     let intensity = Cloud { intensity: Some(vec![7.0; 4]), ..row(4) };
     let one_class = Cloud { classification: Some(vec![2; 4]), ..row(4) };
     let mut error = 0f64;
@@ -80,7 +80,7 @@ fn constant(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, BOUND, t(7.0, [7.0; 2]).into()))
 }
 
-fn not_finite(stage: &mut Stage) -> CaseResult {
+fn not_finite(stage: &mut CaseRenderer) -> CaseResult {
     let values = vec![f32::NAN, 1.0, f32::INFINITY, 100.0, f32::NEG_INFINITY, 0.0, -1.0];
     let cloud = Cloud { scalars: vec![("dose".to_owned(), values.clone())], ..row(7) };
     let keys = "color_by = \"dose\"\ncolormap = \"grey\"\nlog = true\nrange = [1, 100]";
@@ -94,7 +94,7 @@ fn not_finite(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(colors_apart(&found, &wanted), BOUND, naive))
 }
 
-fn far(stage: &mut Stage) -> CaseResult {
+fn far(stage: &mut CaseRenderer) -> CaseResult {
     let position = |i: u32| at(i, 0, 8.0) + DVec3::Z * (4_500_000.0 + f64::from(i) / 4096.0);
     let (low, high) = (position(0).z, position(4).z);
     let text = format!("[[cloud]]\npath = \"cloud.las\"\ncolor_by = \"height\"\nrange = [{low:?}, {high:?}]\n");
@@ -111,7 +111,7 @@ fn far(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, BOUND, t(high).into()))
 }
 
-fn classes(stage: &mut Stage, method: Method) -> CaseResult {
+fn classes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // The points: none of the entries, the first, the second, the last two, the last.
     let text = "
         [[cloud]]

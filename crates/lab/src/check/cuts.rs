@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use super::discs::roundings;
 use super::lists::{except, of_families, tilted, with_samples, with_soft};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, frame, graded, mixed, pixels};
-use super::{Case, CaseResult, Finding, Lack, Stage, Verdict, each, joined, naive};
+use super::{Case, CaseRenderer, CaseResult, Finding, Lack, Verdict, each, joined, naive};
 use pellucid_engine::methods::Frame;
 use pellucid_scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
 
@@ -46,7 +46,7 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
     (1..=count).map(disc).collect()
 }
 
-fn budget(stage: &mut Stage, method: Method) -> CaseResult {
+fn budget(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [48, 32];
     // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
     let whole = frame(pixels(size), size, method);
@@ -69,7 +69,7 @@ fn budget(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::stated(error, 0.0, why))
 }
 
-fn in_place_bytes(stage: &mut Stage, method: Method) -> CaseResult {
+fn in_place_bytes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // Discs that might cross, so that no order is made beforehand.
     let discs = |long_lists| Method::ABuffer(Discs { shape: DiscShape::Oriented, long_lists, ..Discs::default() });
     let facing = |dot: &Dot| Dot { normal: Vec3::Z, ..*dot };
@@ -88,7 +88,7 @@ fn in_place_bytes(stage: &mut Stage, method: Method) -> CaseResult {
 /// Layers of [`beyond`].
 const LAYERS: u32 = 24;
 
-fn beyond(stage: &mut Stage, method: Method) -> Verdict {
+fn beyond(stage: &mut CaseRenderer, method: Method) -> Verdict {
     let binding = stage.device().limits().binding_bytes;
     let side = ((binding / 8 / u64::from(LAYERS)) as f64 * 1.25).sqrt().ceil() as u32;
     if side > 1536 {
@@ -98,7 +98,7 @@ fn beyond(stage: &mut Stage, method: Method) -> Verdict {
     fragments_beyond(stage, method, side).into()
 }
 
-fn fragments_beyond(stage: &mut Stage, method: Method, side: u32) -> CaseResult {
+fn fragments_beyond(stage: &mut CaseRenderer, method: Method, side: u32) -> CaseResult {
     let size = [side, side];
     let layer = |i: u32| Dot {
         position: at(side / 2, side / 2, f64::from(10 + i)),

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::lists::{exact, with_peel};
 use super::naive::{gaussian, nearest, over, over_until};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, graded, pixels};
-use super::{Case, CaseResult, Finding, Stage, each, joined, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, one};
 use pellucid_scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
 
 /// Transmittance below half a step of 8 bits.
@@ -58,7 +58,7 @@ pub(super) fn roundings(method: &Method, n: usize) -> f64 {
     4.0 * (run + n.div_ceil(run)) as f64
 }
 
-fn faint(stage: &mut Stage, method: Method) -> CaseResult {
+fn faint(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots: Vec<Dot> = (0..100_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-7)).collect();
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
@@ -67,7 +67,7 @@ fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::apart(&found, &over(&dots), &wanted, bound))
 }
 
-fn faint_a(stage: &mut Stage, method: Method) -> CaseResult {
+fn faint_a(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots: Vec<Dot> = (0..10_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-6)).collect();
     let wanted = composed(&dots)[3];
     let found = stage.pixel(&dots, method)?[3];
@@ -76,7 +76,7 @@ fn faint_a(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 /// Opacity falls with the length, so that the last layers still count; colors differ from layer to layer.
-fn layers(stage: &mut Stage, method: Method, n: u32) -> CaseResult {
+fn layers(stage: &mut CaseRenderer, method: Method, n: u32) -> CaseResult {
     let opacity = (3.0 / n as f32).min(0.5);
     let dots: Vec<Dot> = (0..n).map(|i| dot(1.0 + f64::from(i), graded(i, n), opacity)).collect();
     let wanted = composed(&dots);
@@ -93,7 +93,7 @@ fn layers(stage: &mut Stage, method: Method, n: u32) -> CaseResult {
     Ok(Finding::apart(&found, &over(&shuffled), &wanted, bound))
 }
 
-fn coincident(stage: &mut Stage, method: Method) -> CaseResult {
+fn coincident(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = vec![dot(5.0, Vec3::new(0.25, 0.5, 1.0), 0.1); 300];
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
@@ -110,7 +110,7 @@ fn tied() -> Vec<Dot> {
 }
 
 /// Bytes that change when the input is permuted, and how many would by composition in the order of arrival.
-fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> CaseResult {
+fn permuted(stage: &mut CaseRenderer, method: Method, permute: fn(&mut Vec<Dot>)) -> CaseResult {
     let dots = tied();
     let mut other = dots.clone();
     permute(&mut other);
@@ -125,7 +125,7 @@ fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Ca
     Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive as f64))
 }
 
-pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     permuted(stage, method, |dots| {
         dots.swap(0, 77);
         dots[..40].rotate_left(13);
@@ -133,11 +133,11 @@ pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     })
 }
 
-pub(super) fn reversed(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn reversed(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     permuted(stage, method, |dots| dots.reverse())
 }
 
-fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
+fn extremes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let red = Vec3::new(1.0, 0.0, 0.0);
     // Invisible points are in front, between and behind.
     let dots = [
@@ -155,7 +155,7 @@ fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::apart(&found, &naive, &wanted, 0.0))
 }
 
-fn nearly_opaque(stage: &mut Stage, method: Method) -> CaseResult {
+fn nearly_opaque(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let opacity = 1.0 - f32::EPSILON / 2.0;
     let dots = [dot(1.0, Vec3::ZERO, opacity), dot(2.0, Vec3::ONE, 1.0)];
     let found = stage.pixel(&dots, method)?;
@@ -164,7 +164,7 @@ fn nearly_opaque(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::apart(&found[..3], &over_until(&dots, SATURATED)[..3], &wanted, HALF_ULP * wanted[0]))
 }
 
-fn least_opacity(stage: &mut Stage, method: Method) -> CaseResult {
+fn least_opacity(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // Above the least normal number, below which a device may take it for 0.
     let opacity = f32::MIN_POSITIVE * 2.0;
     let dots = [1.0, 2.0, 3.0].map(|depth| dot(depth, Vec3::ONE, opacity));
@@ -176,7 +176,7 @@ fn least_opacity(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(error.max(depth), 12.0 * HALF_ULP * wanted, apart(&over(&dots), &[wanted; 4])))
 }
 
-fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
+fn no_radius(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // In the middle of their pixels and beside it: d / r is 0 / 0 or larger than 1.
     let radii = [0.0, 0.0, 1e-45, 1e-3];
     let beside = |x: u32| glam::DVec3::X * if x == 0 { 0.0 } else { 0.25 };
@@ -192,7 +192,7 @@ fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(error, 2.0 * HALF_ULP * wanted[0], naive))
 }
 
-fn edge_on(stage: &mut Stage, method: Method) -> CaseResult {
+fn edge_on(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [5, 5];
     let disc = Dot { position: at(2, 2, 3.0), radius: 2.0, normal: Vec3::X, opacity: 0.5, ..Dot::default() };
     let image = stage.render(&cloud(&[disc]), &frame(pixels(size), size, method))?.image;

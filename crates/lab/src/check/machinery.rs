@@ -1,6 +1,6 @@
 //! The building blocks of the methods: prefix sums and radix sorts. Integers, so exact.
 
-use super::{Case, CaseResult, Finding, Stage, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, one};
 use pellucid_engine::Result;
 use pellucid_engine::methods::Error;
 use pellucid_engine::passes::radix::Radix;
@@ -25,7 +25,7 @@ fn any(n: usize) -> impl Iterator<Item = u32> {
 }
 
 /// Prefix sums on the device, and true if it reports an overflow.
-fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool)> {
+fn scan(stage: &CaseRenderer, values: &[u32]) -> Result<(Vec<u32>, bool)> {
     let (device, n) = (stage.device(), values.len() as u64);
     let input = device.upload("values", values)?;
     let output = device.buffer::<u32>("sums", n, Memory::Device)?;
@@ -37,7 +37,7 @@ fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool)> {
     Ok((output.read(0, n)?, flag.read(0, 1)?.first() != Some(&0)))
 }
 
-fn sums(stage: &mut Stage, n: usize) -> CaseResult {
+fn sums(stage: &mut CaseRenderer, n: usize) -> CaseResult {
     let mut single = vec![0u32; n];
     single[n / 2] = 4_000_000_000;
     let contents = [vec![0; n], vec![1; n], any(n).map(|v| v % 4000).collect(), single];
@@ -58,7 +58,7 @@ fn sums(stage: &mut Stage, n: usize) -> CaseResult {
     Ok(Finding::counted(error, naive))
 }
 
-fn overflow(stage: &mut Stage) -> CaseResult {
+fn overflow(stage: &mut CaseRenderer) -> CaseResult {
     let most = u32::MAX;
     let (mut error, mut naive) = (0, 0);
     for n in [2usize, 64, 65, 5000, 70_000] {
@@ -75,7 +75,7 @@ fn overflow(stage: &mut Stage) -> CaseResult {
 }
 
 /// Records sorted by the lowest bits of their keys on the device.
-fn sorted(stage: &Stage, records: &[[u32; 2]], bits: u32) -> Result<Vec<[u32; 2]>> {
+fn sorted(stage: &CaseRenderer, records: &[[u32; 2]], bits: u32) -> Result<Vec<[u32; 2]>> {
     let (device, n) = (stage.device(), records.len() as u64);
     let none = || Error::NoSubgroups { device: device.info().name.clone() };
     let subgroup = device.info().subgroup.ok_or_else(none)?;
@@ -89,7 +89,7 @@ fn sorted(stage: &Stage, records: &[[u32; 2]], bits: u32) -> Result<Vec<[u32; 2]
     Ok([from, to][place].read(0, n)?)
 }
 
-fn sort(stage: &mut Stage, n: usize) -> CaseResult {
+fn sort(stage: &mut CaseRenderer, n: usize) -> CaseResult {
     let keys =
         [any(n).collect::<Vec<u32>>(), any(n).map(|k| k % 3).collect(), vec![7; n], (0..n as u32).rev().collect()];
     let (mut error, mut naive) = (0, 0);

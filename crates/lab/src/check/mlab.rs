@@ -3,7 +3,7 @@
 
 use super::naive;
 use super::stage::{COLORS, Dot, HALF_ULP, at, composed, dot, pixels};
-use super::{Case, CaseResult, Finding, Stage, each, joined};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
 use pellucid_scene::{Method, Mlab};
 
 const NODES: u32 = 4;
@@ -36,19 +36,19 @@ fn faint() -> Vec<Dot> {
     (0..10_000u32).map(|i| dot(1.0 + f64::from(i), COLORS[i as usize % 5], 1e-4)).collect()
 }
 
-fn as_composed(stage: &mut Stage, method: Method, dots: &[Dot], wanted: [f64; 4]) -> CaseResult {
+fn as_composed(stage: &mut CaseRenderer, method: Method, dots: &[Dot], wanted: [f64; 4]) -> CaseResult {
     let found = stage.pixel(dots, method)?;
     Ok(Finding::apart(&found, &naive::mlab(dots, NODES as usize), &wanted, bound(&wanted)))
 }
 
 /// Checks fragments that arrive front to back, so that the last node is exact.
-fn from_near(stage: &mut Stage, method: Method) -> CaseResult {
+fn from_near(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = faint();
     as_composed(stage, method, &dots, composed(&dots))
 }
 
 /// Checks fragments that arrive back to front: the farthest nodes are merged in their order.
-fn from_far(stage: &mut Stage, method: Method) -> CaseResult {
+fn from_far(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut dots = faint();
     let wanted = composed(&dots);
     dots.reverse();
@@ -70,7 +70,7 @@ fn orders() -> Vec<Vec<usize>> {
 }
 
 /// A pixel for each order.
-fn any_order(stage: &mut Stage, method: Method) -> CaseResult {
+fn any_order(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let orders = orders();
     let layer = |x: usize, i: usize| Dot {
         position: at(x as u32, 0, 1.0 + i as f64),
@@ -89,7 +89,7 @@ fn any_order(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::pixels(&found, &naive, &wanted, bound(&wanted[0])))
 }
 
-fn equal_depths(stage: &mut Stage, method: Method) -> CaseResult {
+fn equal_depths(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = COLORS.map(|color| dot(7.0, color, 0.4));
     let mut wanted = dots;
     wanted.reverse();

@@ -41,8 +41,8 @@ use pellucid_scene::Method;
 pub use document::document;
 pub use released::{Regression, regression, released, released_table};
 pub use same::{Difference, difference};
-pub use stage::Stage;
-pub use subjects::{Follows, Subject, subjects};
+pub use stage::CaseRenderer;
+pub use subjects::{Follows, MethodScene, subjects};
 pub use table::{Group, groups, markdown};
 pub use verdict::{Counts, Finding, Lack, Naive, Verdict};
 
@@ -52,11 +52,11 @@ pub struct Case {
     pub name: String,
     /// A description of the computation, and of the known answer.
     pub about: &'static str,
-    run: Run,
+    run: CaseCheck,
 }
 
 type CaseResult = Result<Finding>;
-type Run = Box<dyn Fn(&mut Stage) -> Verdict>;
+type CaseCheck = Box<dyn Fn(&mut CaseRenderer) -> Verdict>;
 
 /// All cases, family by family. No two have the same name.
 pub fn cases() -> Vec<Case> {
@@ -85,7 +85,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// A case of its own.
-fn one<V: Into<Verdict>>(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> V + 'static) -> Case {
+fn one<V: Into<Verdict>>(name: &str, about: &'static str, run: impl Fn(&mut CaseRenderer) -> V + 'static) -> Case {
     Case { name: name.to_owned(), about, run: Box::new(move |stage| run(stage).into()) }
 }
 
@@ -93,10 +93,10 @@ fn one<V: Into<Verdict>>(name: &str, about: &'static str, run: impl Fn(&mut Stag
 struct Each<'a, M, V> {
     methods: &'a [M],
     name: &'a str,
-    run: fn(&mut Stage, M) -> V,
+    run: fn(&mut CaseRenderer, M) -> V,
 }
 
-fn each<'a, M, V>(methods: &'a [M], name: &'a str, run: fn(&mut Stage, M) -> V) -> Each<'a, M, V> {
+fn each<'a, M, V>(methods: &'a [M], name: &'a str, run: fn(&mut CaseRenderer, M) -> V) -> Each<'a, M, V> {
     Each { methods, name, run }
 }
 
@@ -116,7 +116,7 @@ fn joined(lists: impl IntoIterator<Item = Vec<Case>>) -> Vec<Case> {
 
 impl Case {
     /// Runs the case.
-    pub fn run(&self, stage: &mut Stage) -> Verdict {
+    pub fn run(&self, stage: &mut CaseRenderer) -> Verdict {
         (self.run)(stage)
     }
 }
@@ -125,6 +125,6 @@ impl Case {
 ///
 /// # Errors
 /// A device that has no memory for the first buffers.
-pub fn stage(device: &Device) -> Result<Stage, methods::Error> {
-    Stage::new(device)
+pub fn stage(device: &Device) -> Result<CaseRenderer, methods::Error> {
+    CaseRenderer::new(device)
 }

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::lists::{except, of_families, with_samples, with_soft};
 use super::stage::{Dot, HALF_ULP, bytes_apart, cloud, frame, in_cube, mixed, perspective, shifted};
-use super::{Case, CaseResult, Finding, Stage, each};
+use super::{Case, CaseRenderer, CaseResult, Finding, each};
 use pellucid_core::camera::Camera;
 use pellucid_core::image::Image;
 use pellucid_engine::{Error, Result};
@@ -64,7 +64,7 @@ fn camera() -> Camera {
     perspective(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, 45.0, 0.125, 128.0)
 }
 
-fn moved(stage: &mut Stage, method: Method) -> CaseResult {
+fn moved(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut render = |dots: &[Dot], camera: Camera| -> Result<Image> {
         Ok(stage.render(&cloud(dots), &frame(camera, SIZE, method))?.image)
     };
@@ -78,7 +78,7 @@ fn moved(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(bytes_apart(&here, &there), 0.0, bytes_apart(&here, &single)))
 }
 
-fn scaled(stage: &mut Stage, method: Method) -> CaseResult {
+fn scaled(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut render = |factor: f64| -> Result<Vec<[f32; 4]>> {
         let scaled = |dot: &Dot| Dot { position: dot.position * factor, radius: dot.radius * factor as f32, ..*dot };
         let dots: Vec<Dot> = dots().iter().map(scaled).collect();
@@ -112,7 +112,7 @@ fn with_distance(method: Method, distance: f32) -> Method {
     }
 }
 
-fn outlier(stage: &mut Stage, method: Method) -> CaseResult {
+fn outlier(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut render = |dots: &[Dot]| Ok::<_, Error>(stage.image(dots, camera(), SIZE, method)?.rgba);
     let dots = dots();
     let alone = render(&dots)?;

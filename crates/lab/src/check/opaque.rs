@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, ULP, apart, at, bytes_apart, cloud, colors_of, pixels, pixels_apart};
-use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, naive};
 use pellucid_reference::coverage::Shape;
 use pellucid_reference::splats;
 use pellucid_scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
@@ -49,7 +49,7 @@ fn center(pixel: usize) -> DVec3 {
     at(pixel as u32 % SIZE[0], pixel as u32 / SIZE[0], 20.0)
 }
 
-fn bisector(stage: &mut Stage, method: Method) -> CaseResult {
+fn bisector(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let [red, blue] = pair();
     let image = stage.image(&[red, blue], pixels(SIZE), SIZE, method)?;
     let covers = |dot: &Dot, pixel: usize| center(pixel).distance(dot.position) <= 8.0;
@@ -67,7 +67,7 @@ fn bisector(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::counted(error, naive))
 }
 
-fn blend(stage: &mut Stage, method: Method) -> CaseResult {
+fn blend(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = pair();
     let image = stage.image(&dots, pixels(SIZE), SIZE, method)?;
     let points = cloud(&dots);
@@ -80,7 +80,7 @@ fn blend(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::pixels(&image.rgba, &naive, &wanted, bound))
 }
 
-fn ties(stage: &mut Stage, method: Method) -> CaseResult {
+fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let color = |i: u32| Vec3::new((i % 7) as f32 / 7.0, (i % 5) as f32 / 5.0, (i % 3) as f32 / 3.0);
     let dots: Vec<Dot> =
         (0..60).map(|i| Dot { position: at(1, 1, 4.0), color: color(i), radius: 1.25, ..Dot::default() }).collect();
@@ -95,7 +95,7 @@ fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive as f64))
 }
 
-fn nearest_wins(stage: &mut Stage, method: Method) -> CaseResult {
+fn nearest_wins(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 0.75, ..Dot::default() };
     let camera = pellucid_core::camera::Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
     let dots = [dot(500_000.5, Vec3::X), dot(500_000.0, Vec3::Y), dot(500_001.0, Vec3::Z)];
@@ -106,7 +106,7 @@ fn nearest_wins(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(apart(&found, &[0.0, 1.0, 0.0, 1.0]), 0.0, naive))
 }
 
-fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
+fn no_radius(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for radius in [0.0, 1e-45, 1e-3] {
         let dot = Dot { position: at(1, 1, 4.0) + DVec3::new(0.25, 0.25, 0.0), radius, ..Dot::default() };
@@ -121,7 +121,7 @@ fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive))
 }
 
-fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
+fn huge_radius(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [64, 64];
     let dot = Dot { position: at(31, 31, 4.0), radius: f32::MAX, ..Dot::default() };
     let image = stage.image(&[dot], pixels(size), size, method)?;
@@ -135,7 +135,7 @@ fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::counted(error, naive))
 }
 
-fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
+fn equal_colors(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let color = Vec3::new(0.1, 0.2, 0.7);
     let dot = Dot { position: at(0, 0, 4.0), color, radius: 0.75, ..Dot::default() };
     let found = stage.pixel(&vec![dot; 100_000], method)?;
@@ -145,7 +145,7 @@ fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(apart(&found, &wanted), 9.0 * ULP, apart(&sum.to_array(), &wanted[..3])))
 }
 
-fn limit(stage: &mut Stage, method: Method) -> CaseResult {
+fn limit(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 1.0, ..Dot::default() };
     // All numbers are exact: 4 + 1 ≤ 5.
     let behind = 5.0 + f64::from(f32::EPSILON) * 4.0;
@@ -156,7 +156,7 @@ fn limit(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::apart(&found, &naive::blended(&dots, 1.0, 0.0), &wanted, 0.0))
 }
 
-fn no_blending(stage: &mut Stage, method: Method) -> CaseResult {
+fn no_blending(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 1.0, ..Dot::default() };
     let method = match method {
         Method::Hqs(settings) => Method::Hqs(BlendedSplats { blend_depth: 0.0, ..settings }),

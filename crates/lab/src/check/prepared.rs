@@ -8,7 +8,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
 
 use super::stage::{Dot, HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
-use super::{Case, CaseResult, Finding, Stage, naive, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, naive, one};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::image::Image;
 use pellucid_io as io;
@@ -36,7 +36,7 @@ fn scene(color_by: &str) -> Result<Scene> {
     Ok(Scene::from_toml(&format!("[method]\nname = \"abuffer\"\n{cloud}"), Path::new("check"))?)
 }
 
-fn all_equal(stage: &mut Stage) -> CaseResult {
+fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     let dot = dot(8.0, Vec3::ONE, 0.01);
     let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
     let points = scene::assemble(&scene("uniform")?, vec![cloud], true, &Progress::hidden())?;
@@ -132,7 +132,7 @@ fn as_read(row: &str) -> Option<Dot> {
     Some(Dot { position, color: Vec3::new(red, green, blue), opacity, radius, normal, field: 0.0 })
 }
 
-fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image> {
+fn picture(stage: &mut CaseRenderer, rows: &[&str]) -> Result<Image> {
     let failed = |source| io::Error::Write { path: "a temporary file".into(), source };
     let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".ply").tempfile().map_err(failed)?;
     file.write_all(ply(rows).as_bytes()).map_err(failed)?;
@@ -141,7 +141,7 @@ fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image> {
     Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
 }
 
-fn not_finite(stage: &mut Stage) -> CaseResult {
+fn not_finite(stage: &mut CaseRenderer) -> CaseResult {
     let odd = [
         "nan -0.5 -8 1 1 1 1 0 0 1 0.5",
         "0.5 inf -8 1 1 1 1 0 0 1 0.5",

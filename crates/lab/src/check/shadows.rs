@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, at, cloud, frame, in_cube, pixels};
-use super::{Case, CaseResult, Finding, Stage, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, one};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
@@ -48,7 +48,7 @@ fn lit_frame(light: Light, shadows: Shadows, seed: u64) -> Frame {
 }
 
 /// The share of light of each point, as they are in the cloud.
-fn shares(stage: &mut Stage, points: &Points, frame: &Frame) -> Result<Vec<f32>> {
+fn shares(stage: &mut CaseRenderer, points: &Points, frame: &Frame) -> Result<Vec<f32>> {
     let mut cloud = stage.renderer.upload(points)?;
     stage.renderer.cast(&mut cloud, frame)?;
     Ok(cloud.lit()?)
@@ -66,7 +66,7 @@ fn sheet(columns: std::ops::Range<i32>, rows: std::ops::Range<i32>, depth: f64, 
     rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(point).collect()
 }
 
-fn slanted(stage: &mut Stage) -> CaseResult {
+fn slanted(stage: &mut CaseRenderer) -> CaseResult {
     let resolution = 16;
     let across = 1.5 * 48f64.hypot(40.0) / f64::from(resolution - 2);
     // Over a pixel of the light, from corner to corner, depths of a plane differ by tan θ of its width, and the filter
@@ -94,7 +94,7 @@ fn hit(camera: &Camera, resolution: u32, positions: &[DVec3]) -> Vec<[u32; 2]> {
     positions.iter().map(pixel).collect()
 }
 
-fn behind(stage: &mut Stage) -> CaseResult {
+fn behind(stage: &mut CaseRenderer) -> CaseResult {
     let resolution = 44;
     // Pixels of the light are 32 / 42 units wide: two adjacent columns or rows of them are never free. The lid extends
     // beyond the floor, so that its border covers none of it.
@@ -116,7 +116,7 @@ fn behind(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive as f64))
 }
 
-fn half_a_disc(stage: &mut Stage) -> CaseResult {
+fn half_a_disc(stage: &mut CaseRenderer) -> CaseResult {
     let (samples, seeds, resolution, radius) = (100u32, 8, 512, 10.0f64);
     // Right below the border of what covers the left half, at x = 32.
     let below = Dot { position: DVec3::new(32.0, -4.5, -FLOOR), ..Dot::default() };
@@ -161,7 +161,7 @@ fn sphere(radius: f64, count: u32) -> impl Iterator<Item = Dot> {
     })
 }
 
-fn inside(stage: &mut Stage) -> CaseResult {
+fn inside(stage: &mut CaseRenderer) -> CaseResult {
     let points = cloud(&sphere(10.0, 20_000).chain(sphere(20.0, 5000)).collect::<Vec<_>>());
     let lamp = DVec3::new(0.3, -0.2, 0.1);
     let found = shares(stage, &points, &lit_frame(Light::Position(lamp), hard(16, 3.0), 0))?;
@@ -186,7 +186,7 @@ fn on_a_grid() -> Vec<Dot> {
     (1..2000).map(dot).collect()
 }
 
-fn georeferenced(stage: &mut Stage) -> CaseResult {
+fn georeferenced(stage: &mut CaseRenderer) -> CaseResult {
     // Differences of depths on the grid are no d̃ of this kind, so that no roundings decide.
     let shadows = hard(77, 0.097_31);
     let dots = on_a_grid();
@@ -211,7 +211,7 @@ fn georeferenced(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive))
 }
 
-fn along(stage: &mut Stage) -> CaseResult {
+fn along(stage: &mut CaseRenderer) -> CaseResult {
     // Each row is a pixel of the light, with the first point's depth. |n·f| is 0 and counts as 0.1: 5.2 units are lit.
     let points = cloud(&sheet(0..48, 0..40, 400.0, 0.0, Vec3::Z));
     let light = Light::Direction(DVec3::X);
@@ -225,7 +225,7 @@ fn along(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive as f64))
 }
 
-fn one_pixel(stage: &mut Stage) -> CaseResult {
+fn one_pixel(stage: &mut CaseRenderer) -> CaseResult {
     let lid = Dot { position: at(5, 5, LID), ..Dot::default() };
     let floor = sheet(0..16, 0..16, FLOOR, 0.0, Vec3::ZERO);
     let points = cloud(&[vec![lid], floor.clone()].concat());
@@ -237,7 +237,7 @@ fn one_pixel(stage: &mut Stage) -> CaseResult {
     Ok(Finding::stated(error, 0.0, why))
 }
 
-fn all_equal(stage: &mut Stage) -> CaseResult {
+fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     let place = at(3, 4, 5.0);
     let (mut error, mut naive) = (0.0, 0);
     for count in [1, 500] {

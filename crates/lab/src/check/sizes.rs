@@ -8,7 +8,7 @@ use super::discs::roundings;
 use super::lists::{exact, of_families, with_samples};
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, graded, pixels, pixels_apart};
-use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, naive};
 use pellucid_reference::soft::{Behind, Model, Scene};
 use pellucid_scene::{
     BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, SoftMethod, Stochastic,
@@ -44,7 +44,7 @@ pub(super) fn cases() -> Vec<Case> {
 }
 
 /// Checks a point for each 64 pixels of a line of 16384, slightly before a border of pixels.
-fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVec3) -> CaseResult {
+fn line(stage: &mut CaseRenderer, method: Method, size: [u32; 2], place: fn(f64) -> DVec3) -> CaseResult {
     let along = |i: u32| f64::from(64 * i + 63) - 2f64.powi(-14);
     let dot = |i: u32| Dot { position: place(along(i)) - DVec3::Z * 8.0, ..Dot::default() };
     let dots: Vec<Dot> = (0..256).map(dot).collect();
@@ -55,15 +55,15 @@ fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVe
     Ok(Finding::counted(error, naive))
 }
 
-fn row(stage: &mut Stage, method: Method) -> CaseResult {
+fn row(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     line(stage, method, [16384, 1], |x| DVec3::new(x, -0.5, 0.0))
 }
 
-fn column(stage: &mut Stage, method: Method) -> CaseResult {
+fn column(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     line(stage, method, [1, 16384], |y| DVec3::new(0.5, -y, 0.0))
 }
 
-fn one_sphere(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+fn one_sphere(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let size = [16384, 1];
     let position = DVec3::new(8192.0, -0.5, -2e4);
     let dots = [Dot { position, radius: 1e4, field: 1.0, ..Dot::default() }];
@@ -79,7 +79,7 @@ fn one_sphere(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::stated(pixels_apart(&image.rgba, &wanted), bound, why))
 }
 
-fn crowded(stage: &mut Stage, method: Method) -> CaseResult {
+fn crowded(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [64, 64];
     let count = 20_000;
     let place = |i: u32| at(37, 21, 1.0 + f64::from(i));
@@ -94,7 +94,7 @@ fn crowded(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(error, roundings(&method, dots.len()) * HALF_ULP, naive))
 }
 
-fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
+fn one_point(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let radius = if method.soft().is_some() { 0.25 } else { 0.0 };
     let dot = Dot { position: at(1, 2, 8.0), color: Vec3::new(0.25, 0.5, 1.0), radius, ..Dot::default() };
     let image = stage.image(&[dot], pixels([4, 4]), [4, 4], method)?;
@@ -112,7 +112,7 @@ fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(error, 0.0, pixels_apart(&covered, &wanted)))
 }
 
-fn rim(stage: &mut Stage, method: Method) -> CaseResult {
+fn rim(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [64, 64];
     let dot = Dot { position: at(31, 31, 8.0), radius: 25.0, ..Dot::default() };
     let image = stage.image(&[dot], pixels(size), size, method)?;
@@ -127,7 +127,7 @@ fn rim(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::counted(error, naive))
 }
 
-fn border(stage: &mut Stage, method: Method) -> CaseResult {
+fn border(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [15, 15];
     let dot = |i: u32| {
         let [x, y] = [3 * (i % 5), 3 * (i / 5)].map(f64::from);

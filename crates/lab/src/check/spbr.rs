@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::stage::{apart, at, frame, mean, pixels, variance};
-use super::{Case, CaseResult, Finding, Stage, each, joined, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, one};
 use pellucid_core::points::Points;
 use pellucid_core::random::threefry2x32;
 use pellucid_engine::Result;
@@ -87,7 +87,7 @@ fn dealt(planes: Vec<(Points, f64)>) -> Dealt {
 }
 
 /// A of each pixel. Pixels are as good as independent: points fall on them at random.
-fn alphas(stage: &mut Stage, dealt: &Dealt, method: Method) -> Result<Vec<f64>> {
+fn alphas(stage: &mut CaseRenderer, dealt: &Dealt, method: Method) -> Result<Vec<f64>> {
     let mut cloud = stage.renderer.upload(&Arranged::Dealt(dealt.clone()))?;
     let image = stage.renderer.render(&mut cloud, &frame(pixels(SIZE), SIZE, method))?.image;
     Ok(image.rgba.iter().map(|pixel| f64::from(pixel[3])).collect())
@@ -123,7 +123,7 @@ fn density(alpha: f64, k: f64) -> f64 {
     f64::from(ENSEMBLES) * -(-alpha).ln_1p() / k
 }
 
-fn white_plane(stage: &mut Stage, k: f64) -> CaseResult {
+fn white_plane(stage: &mut CaseRenderer, k: f64) -> CaseResult {
     let list = dealt(vec![plane(10 + k as u64, density(0.5, k), 0.0, 10.0, 0.5)]);
     let found = alphas(stage, &list, Method::Spbr(Spbr { ensembles: ENSEMBLES, ..Spbr::default() }))?;
     let naive = if k > 1.0 {
@@ -136,7 +136,7 @@ fn white_plane(stage: &mut Stage, k: f64) -> CaseResult {
     Ok(mean_alpha(&found, 0.5, k, naive))
 }
 
-fn tilted(stage: &mut Stage, method: Method) -> CaseResult {
+fn tilted(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let list = dealt(vec![plane(2, density(0.3, 0.5), 60.0, 200.0, 0.3)]);
     let both = [slanted(0.3, 0.5), 0.3];
     let [wanted, naive] = match method {
@@ -146,7 +146,7 @@ fn tilted(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(mean_alpha(&alphas(stage, &list, method)?, wanted, 0.5, naive))
 }
 
-fn two_planes(stage: &mut Stage, method: Method) -> CaseResult {
+fn two_planes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let front = plane(3, density(0.4, 0.5), 0.0, 10.0, 0.4);
     let back = plane(4, density(0.7, 0.5), 0.0, 20.0, 0.7);
     let found = alphas(stage, &dealt(vec![back, front]), method)?;
@@ -154,7 +154,7 @@ fn two_planes(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(mean_alpha(&found, 0.4 + 0.6 * 0.7, 0.5, f64::from((0.4f32 + 0.7).min(1.0))))
 }
 
-fn independent(stage: &mut Stage, method: Method) -> CaseResult {
+fn independent(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let list = dealt(vec![plane(5, density(0.5, 1.0), 0.0, 10.0, 0.5)]);
     let found = variance(&alphas(stage, &list, method)?);
     let wanted = 0.5 * 0.5 / f64::from(ENSEMBLES);
@@ -178,7 +178,7 @@ fn grid(opacity: f32) -> Dealt {
     dealt(vec![(points, 1.0)])
 }
 
-fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
+fn extremes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for opacity in [0.0, 1.0] {
         let found = alphas(stage, &grid(opacity), method)?;
@@ -192,7 +192,7 @@ fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive))
 }
 
-fn once(stage: &mut Stage, method: Method) -> CaseResult {
+fn once(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let found = alphas(stage, &grid(1.0), method)?;
     let apart = |alpha: &f64| (alpha - 1.0 / 7.0).abs();
     // Each point in each image with probability 1/7.

@@ -28,7 +28,7 @@ pub const COLORS: [Vec3; 5] = [
 ];
 
 /// A device with a renderer.
-pub struct Stage {
+pub struct CaseRenderer {
     /// The renderer.
     pub renderer: Renderer,
 }
@@ -56,7 +56,7 @@ impl Default for Dot {
     }
 }
 
-impl Stage {
+impl CaseRenderer {
     pub(super) fn new(device: &Device) -> Result<Self, Error> {
         Ok(Self { renderer: Renderer::new(device)? })
     }

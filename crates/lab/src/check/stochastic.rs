@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, fragments, frame, mean, pixels, variance};
-use super::{Case, CaseResult, Finding, Stage, each, joined};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
 use pellucid_core::random::word;
 use pellucid_engine::Result;
 use pellucid_engine::methods::Frame;
@@ -43,7 +43,7 @@ fn layers(of: &[(Vec3, f32)]) -> Vec<Dot> {
 }
 
 /// An image for each seed.
-fn images(stage: &mut Stage, dots: &[Dot], method: Method, seeds: &[u64]) -> Result<Vec<Vec<[f32; 4]>>> {
+fn images(stage: &mut CaseRenderer, dots: &[Dot], method: Method, seeds: &[u64]) -> Result<Vec<Vec<[f32; 4]>>> {
     let mut cloud = stage.renderer.upload(&cloud(dots))?;
     let mut found = Vec::new();
     for seed in seeds {
@@ -71,7 +71,7 @@ fn on_host(of: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) ->
     found.color.extend(found.alpha).to_array().map(|c| c as f32)
 }
 
-fn unbiased(stage: &mut Stage, method: Method) -> CaseResult {
+fn unbiased(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(&LAYERS);
     let wanted = composed(&dots);
     let seeds: Vec<u64> = (0..8).collect();
@@ -90,7 +90,7 @@ fn unbiased(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new((0..4).map(error).fold(0.0, f64::max), ERRORS, naive))
 }
 
-fn exact_alpha(stage: &mut Stage, method: Method) -> CaseResult {
+fn exact_alpha(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(&LAYERS);
     let wanted = composed(&dots)[3];
     let image = &images(stage, &dots, method, &[1])?[0];
@@ -136,12 +136,12 @@ fn known_variance(layers: &[(f64, f64)]) -> f64 {
 }
 
 /// The light that passes a black layer of an opacity, in front of white: one number for each pixel.
-fn through(stage: &mut Stage, method: Method, opacity: f32, seeds: &[u64]) -> Result<Vec<Vec<f64>>> {
+fn through(stage: &mut CaseRenderer, method: Method, opacity: f32, seeds: &[u64]) -> Result<Vec<Vec<f64>>> {
     let found = images(stage, &layers(&[(Vec3::ZERO, opacity), (Vec3::ONE, 1.0)]), method, seeds)?;
     Ok(found.iter().map(|image| image.iter().map(|pixel| f64::from(pixel[0])).collect()).collect())
 }
 
-fn rounding(stage: &mut Stage, method: Method) -> CaseResult {
+fn rounding(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let found = mean(&through(stage, method, 0.1, &[0])?[0]);
     // One sample of four with probability 0.4, no others.
     let error = (0.4f64 * 0.6 / 16.0 / PIXELS).sqrt();
@@ -172,14 +172,14 @@ fn largest_correlation(image: &[f64]) -> f64 {
     [[1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [16, 0], [0, 16]].map(shifted).into_iter().fold(0.0, f64::max)
 }
 
-fn neighbors(stage: &mut Stage, method: Method) -> CaseResult {
+fn neighbors(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let error = largest_correlation(&through(stage, method, OPACITY, &[0])?[0]);
     // A texture of 16 × 16 masks, side by side.
     let tiled = through_on_host(4, |[x, y], index, p| word(0, [x % 16, y % 16], index, p));
     Ok(Finding::new(error, ERRORS, largest_correlation(&tiled)))
 }
 
-fn seeds(stage: &mut Stage, method: Method) -> CaseResult {
+fn seeds(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let seeds = [0, 1, 2, 3, 4, 5, 6, 7, 8, 1 << 32, (1 << 32) + 1];
     let largest = |images: &[Vec<f64>]| {
         let pairs = (0..images.len()).flat_map(|a| (a + 1..images.len()).map(move |b| (a, b)));
@@ -191,7 +191,7 @@ fn seeds(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(largest(&images), ERRORS, largest(&short)))
 }
 
-fn samples(stage: &mut Stage, method: Method) -> CaseResult {
+fn samples(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let found = variance(&through(stage, method, OPACITY, &[0])?[0]);
     // A stratum has one sample or two of four; 16 of them.
     let wanted = 0.25 / 16.0 / 16.0;

@@ -19,7 +19,7 @@ use pellucid_scene::stored::{OpenStore, Stored};
 use pellucid_scene::{self as scene, Method, Scene};
 
 use super::stage::{frame, looking};
-use super::{Case, CaseResult, Finding, Stage, each, joined};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
 
 /// Points of each cloud.
 const POINTS: u32 = 3000;
@@ -134,13 +134,13 @@ impl Store for Chain {
     }
 }
 
-fn compared(stage: &mut Stage, method: Method, node_of: impl Fn(&Cloud, usize) -> i64) -> CaseResult {
+fn compared(stage: &mut CaseRenderer, method: Method, node_of: impl Fn(&Cloud, usize) -> i64) -> CaseResult {
     compared_with(stage, method, |_| {}, node_of)
 }
 
 /// Values of the picture of a store unlike those of memory. The naive way takes points in the order of their nodes.
 fn compared_with(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
     change: impl Fn(&mut Cloud),
     node_of: impl Fn(&Cloud, usize) -> i64,

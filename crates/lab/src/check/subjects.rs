@@ -25,7 +25,7 @@ use pellucid_scene::{
 
 /// A scene for a method.
 #[derive(Debug, Clone)]
-pub struct Subject {
+pub struct MethodScene {
     /// The method, and behind a comma what is special about it, as in `abuffer, oriented`.
     pub name: String,
     /// The clouds, each as a file might hold it: in no particular order.
@@ -49,7 +49,7 @@ pub enum Follows {
     Points,
 }
 
-impl Subject {
+impl MethodScene {
     /// Returns the order of the input on which the image depends.
     pub fn follows(&self) -> Follows {
         match self.frame.method {
@@ -105,9 +105,9 @@ impl Subject {
 }
 
 /// Returns the subjects: at least one for each method that a scene file can name.
-pub fn subjects() -> Vec<Subject> {
+pub fn subjects() -> Vec<MethodScene> {
     let mut all = [discs(), gaussians(), opaque(), soft(), surfaces(), ensembles_of_points()].concat();
-    let known = |all: &[Subject], method: &Method| all.iter().any(|subject| subject.choice.name() == method.name());
+    let known = |all: &[MethodScene], method: &Method| all.iter().any(|subject| subject.choice.name() == method.name());
     for method in Method::all() {
         if !known(&all, &method) {
             all.push(subject(method, "", clouds_of(method.family()), as_it_is));
@@ -141,7 +141,7 @@ fn subject(
     special: &str,
     clouds: Vec<Points>,
     change: impl FnOnce(&mut Frame),
-) -> Subject {
+) -> MethodScene {
     let choice = choice.into();
     let (method, _why) = plan::resolve(choice, &joined(&clouds));
     let fov_y = 0.8;
@@ -150,7 +150,7 @@ fn subject(
     let mut frame = Frame { fragments: true, ..stage::frame(camera, SIZE, method) };
     change(&mut frame);
     let comma = if special.is_empty() { "" } else { ", " };
-    Subject { name: format!("{}{comma}{special}", choice.name()), clouds, choice, frame }
+    MethodScene { name: format!("{}{comma}{special}", choice.name()), clouds, choice, frame }
 }
 
 fn as_it_is(_: &mut Frame) {}
@@ -183,7 +183,7 @@ fn shadowed(frame: &mut Frame) {
 }
 
 /// Transparent discs, and their approximations.
-fn discs() -> Vec<Subject> {
+fn discs() -> Vec<MethodScene> {
     let flat = Discs::default();
     let soft_edged = Discs { falloff: Falloff::Gaussian, ..flat };
     let oriented = Discs { shape: DiscShape::Oriented, ..flat };
@@ -231,7 +231,7 @@ fn discs() -> Vec<Subject> {
 }
 
 /// Gaussian splats by both kernels and in every order, with harmonics, alone and among discs.
-fn gaussians() -> Vec<Subject> {
+fn gaussians() -> Vec<MethodScene> {
     let settings = GaussianSettings::default();
     let with = |gaussians| Discs { gaussians, ..Discs::default() };
     let by_ray = with(GaussianSettings { kernel: Kernel::Ray, ..settings });
@@ -261,7 +261,7 @@ fn gaussians() -> Vec<Subject> {
 }
 
 /// Splats where only the nearest one counts, and splats that are blended when close together.
-fn opaque() -> Vec<Subject> {
+fn opaque() -> Vec<MethodScene> {
     let few = clouds::few;
     let splats = ScreenSplats { size: 1.5, ..ScreenSplats::default() };
     let relief = |shape| Interpolated { splats, shape };
@@ -281,7 +281,7 @@ fn opaque() -> Vec<Subject> {
 }
 
 /// Soft spheres and discs, with solid points among them.
-fn soft() -> Vec<Subject> {
+fn soft() -> Vec<MethodScene> {
     let soft = Soft { density: Density::Softness(0.3), ..Soft::default() };
     let stiff = Soft { density: Density::Lambda(2e4), ..soft };
     let modulated = Soft { modulation: Some(0.9), ..soft };
@@ -302,7 +302,7 @@ fn soft() -> Vec<Subject> {
 }
 
 /// Surfaces of points that are closed in the image.
-fn surfaces() -> Vec<Subject> {
+fn surfaces() -> Vec<MethodScene> {
     let filters = ImageSpace { fill: 2, occlusion: 2, min_layer_distance: Some(0.1), ..ImageSpace::default() };
     let layers = PeelLayers { filters: ImageSpace { cull: false, ..filters }, layers: 3 };
     vec![
@@ -313,7 +313,7 @@ fn surfaces() -> Vec<Subject> {
 }
 
 /// Points that are shuffled into ensembles.
-fn ensembles_of_points() -> Vec<Subject> {
+fn ensembles_of_points() -> Vec<MethodScene> {
     let spbr = Spbr { ensembles: 30, ..Spbr::default() };
     let simplified = SpbrSimplified { ensembles: 12, ..SpbrSimplified::default() };
     // Enough points that a small budget streams them.

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::naive::{self, bytes_apart as bytes_of, nearest, over, peel};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels, pixels_apart};
-use super::{Case, CaseResult, Finding, Stage, each, joined, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, one};
 use pellucid_core::image::Image;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Rendered};
@@ -51,11 +51,17 @@ pub(super) fn cases() -> Vec<Case> {
     ])
 }
 
-fn image(stage: &mut Stage, dots: &[Dot], size: [u32; 2], filters: ImageSpace) -> Result<Image> {
+fn image(stage: &mut CaseRenderer, dots: &[Dot], size: [u32; 2], filters: ImageSpace) -> Result<Image> {
     Ok(stage.image(dots, pixels(size), size, Method::ImageSpace(filters))?)
 }
 
-fn layered(stage: &mut Stage, dots: &[Dot], size: [u32; 2], filters: ImageSpace, layers: u32) -> Result<Rendered> {
+fn layered(
+    stage: &mut CaseRenderer,
+    dots: &[Dot],
+    size: [u32; 2],
+    filters: ImageSpace,
+    layers: u32,
+) -> Result<Rendered> {
     let method = Method::PeelLayers(PeelLayers { filters, layers });
     Ok(stage.render(&cloud(dots), &frame(pixels(size), size, method))?)
 }
@@ -76,7 +82,7 @@ fn red(_: u32, _: u32) -> Vec3 {
     Vec3::X
 }
 
-fn holes(stage: &mut Stage) -> CaseResult {
+fn holes(stage: &mut CaseRenderer) -> CaseResult {
     // A side of a hole has five consecutive neighbors of background and stays, a corner has three and goes, and with
     // it, in the next iteration, the ends of the sides: the remainder of a hole after each was derived by hand.
     let known = [(1u32, 1u32), (2, 1), (3, 2), (4, 3), (5, 5), (6, 6)];
@@ -97,7 +103,7 @@ fn holes(stage: &mut Stage) -> CaseResult {
     Ok(Finding::counted(error, naive))
 }
 
-fn silhouette(stage: &mut Stage) -> CaseResult {
+fn silhouette(stage: &mut CaseRenderer) -> CaseResult {
     let size = [20, 18];
     let shapes: [fn(u32, u32) -> bool; 5] = [
         |x, _| x >= 7,
@@ -119,7 +125,7 @@ fn silhouette(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive as f64 * PIXEL))
 }
 
-fn tilted(stage: &mut Stage) -> CaseResult {
+fn tilted(stage: &mut CaseRenderer) -> CaseResult {
     let size = [40, 30];
     let (mut error, mut naive) = (0.0, 0);
     // Along an axis five neighbors are as far or farther, for any d̃; between, those of one side are nearer by less
@@ -139,7 +145,7 @@ fn tilted(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive as f64 * PIXEL))
 }
 
-fn tiny(stage: &mut Stage) -> CaseResult {
+fn tiny(stage: &mut CaseRenderer) -> CaseResult {
     let size = [16, 12];
     let filters = ImageSpace { min_layer_distance: Some(1e-30), ..PLAIN };
     let sheet = surface(size, mixed, |_, _| Some(4.0));
@@ -162,7 +168,7 @@ fn blue(dot: &Dot) -> Dot {
     Dot { color: Vec3::Z, ..*dot }
 }
 
-fn huge(stage: &mut Stage) -> CaseResult {
+fn huge(stage: &mut CaseRenderer) -> CaseResult {
     let size = [16, 12];
     let filters = ImageSpace { min_layer_distance: Some(3e38), ..PLAIN };
     let dots = surface(size, mixed, |x, y| (x != 3 || y > 4).then_some(if x == 7 { 9e6 } else { 1.0 }));
@@ -173,7 +179,7 @@ fn huge(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(bytes_apart(&plain, &filtered), 0.0, naive))
 }
 
-fn thresholds(stage: &mut Stage) -> CaseResult {
+fn thresholds(stage: &mut CaseRenderer) -> CaseResult {
     let size = [8, 5];
     let color = |x: u32, _: u32| if x < 3 { Vec3::ZERO } else { Vec3::X };
     let dots = surface(size, color, |x, _| (x < 6).then_some(if x < 3 { 4.0 } else { 6.0 }));
@@ -203,7 +209,7 @@ fn thresholds(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive))
 }
 
-fn smoothed(stage: &mut Stage) -> CaseResult {
+fn smoothed(stage: &mut CaseRenderer) -> CaseResult {
     let size = [6, 5];
     let color = Vec3::new(0.1, 0.2, 0.7);
     let dots = surface(size, |_, _| color, |_, _| Some(4.0));
@@ -217,7 +223,7 @@ fn smoothed(stage: &mut Stage) -> CaseResult {
 }
 
 /// Points of one pixel, which all lie on its ray.
-fn on_a_ray(stage: &mut Stage, dots: &[Dot], distance: Option<f32>, layers: u32) -> Result<Rendered> {
+fn on_a_ray(stage: &mut CaseRenderer, dots: &[Dot], distance: Option<f32>, layers: u32) -> Result<Rendered> {
     layered(stage, dots, [1, 1], ImageSpace { min_layer_distance: distance, ..PLAIN }, layers)
 }
 
@@ -226,7 +232,7 @@ fn layers_apart(found: &Rendered, wanted: &[f64], layers: u32) -> f64 {
     apart(&found.image.rgba[0], wanted).max((f64::from(found.facts.layers) - f64::from(layers)).abs())
 }
 
-fn at_distance(stage: &mut Stage) -> CaseResult {
+fn at_distance(stage: &mut CaseRenderer) -> CaseResult {
     // Powers of two, so that 4 + 0.25 is exact. Those in the first place are one surface, however many they are.
     let before = f64::from(4.25f32.next_down());
     let mut dots = vec![dot(4.0, Vec3::X, 0.5); 5];
@@ -239,7 +245,7 @@ fn at_distance(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive))
 }
 
-fn tiny_layers(stage: &mut Stage) -> CaseResult {
+fn tiny_layers(stage: &mut CaseRenderer) -> CaseResult {
     let dots = [dot(4.0, Vec3::X, 0.5), dot(f64::from(4f32.next_up()), Vec3::Y, 0.5)];
     let found = on_a_ray(stage, &dots, Some(1e-30), 4)?;
     // 4 + 1e-30 is 4: the first surface again, in every layer.
@@ -247,7 +253,7 @@ fn tiny_layers(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(layers_apart(&found, &[0.5, 0.25, 0.0, 0.75], 2), 0.0, naive))
 }
 
-fn huge_layers(stage: &mut Stage) -> CaseResult {
+fn huge_layers(stage: &mut CaseRenderer) -> CaseResult {
     let dots = [dot(1.0, Vec3::X, 0.5), dot(9e6, Vec3::Y, 1.0)];
     let found = on_a_ray(stage, &dots, Some(3e38), 9)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
@@ -257,7 +263,7 @@ fn huge_layers(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive))
 }
 
-fn three_planes(stage: &mut Stage) -> CaseResult {
+fn three_planes(stage: &mut CaseRenderer) -> CaseResult {
     let dots = [dot(5.0, Vec3::X, 0.3), dot(6.0, Vec3::Y, 0.6), dot(9.0, Vec3::new(0.1, 0.7, 1.0), 0.9)];
     let wanted = composed(&dots);
     let shuffled = [dots[2], dots[0], dots[1]];
@@ -268,7 +274,7 @@ fn three_planes(stage: &mut Stage) -> CaseResult {
     Ok(Finding::apart(&found, &over(&shuffled), &wanted, bound))
 }
 
-fn extremes(stage: &mut Stage) -> CaseResult {
+fn extremes(stage: &mut CaseRenderer) -> CaseResult {
     let dots = [
         dot(1.0, Vec3::ONE, 0.0),
         dot(2.0, Vec3::Y, 0.5),
@@ -283,7 +289,7 @@ fn extremes(stage: &mut Stage) -> CaseResult {
     Ok(Finding::apart(&found, &[over(&dots).as_slice(), &[nearest(&dots)]].concat(), &wanted, 0.0))
 }
 
-fn ends(stage: &mut Stage) -> CaseResult {
+fn ends(stage: &mut CaseRenderer) -> CaseResult {
     let (mut error, mut naive) = (0f64, f64::INFINITY);
     // 8 layers are one submission.
     for count in [0u32, 1, 8, 9, 17] {
@@ -300,7 +306,7 @@ fn ends(stage: &mut Stage) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive))
 }
 
-fn all_equal(stage: &mut Stage) -> CaseResult {
+fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     let dots = vec![dot(4.0, Vec3::X, 0.5); 500];
     let found = on_a_ray(stage, &dots, None, 4)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
@@ -321,7 +327,7 @@ fn scattered(size: [u32; 2], count: u32) -> Vec<Dot> {
     (1..=count).map(dot).collect()
 }
 
-fn budget(stage: &mut Stage, method: Method) -> CaseResult {
+fn budget(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [160, 120];
     let mut cloud = stage.renderer.upload(&cloud(&scattered(size, 12_000)))?;
     let whole = frame(pixels(size), size, method);
@@ -340,7 +346,7 @@ fn budget(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::stated(error, 0.0, why))
 }
 
-fn ties(stage: &mut Stage, method: Method) -> CaseResult {
+fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [24, 16];
     let dots = scattered(size, 3000);
     let mut shuffled = dots.clone();

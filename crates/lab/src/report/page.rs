@@ -71,7 +71,7 @@ pub fn document(title: &str, style: &str, body: &Markup) -> String {
 }
 
 /// A table of some rows. Each column is declared once, by its head and the cell of a row.
-pub struct Table<'a, R> {
+pub struct ReportTable<'a, R> {
     rows: Vec<&'a R>,
     columns: Vec<Column>,
 }
@@ -89,7 +89,7 @@ struct Cell {
     value: f64,
 }
 
-impl<'a, R> Table<'a, R> {
+impl<'a, R> ReportTable<'a, R> {
     /// A table without a column.
     pub fn new(rows: impl IntoIterator<Item = &'a R>) -> Self {
         Self { rows: rows.into_iter().collect(), columns: Vec::new() }
@@ -207,7 +207,7 @@ type Times<'a> = (String, Vec<(&'a str, f64)>, f64);
 /// The median times of passes: a row for each name, and a column for each frame.
 pub fn passes<'a>(title: &str, names: Vec<&'a str>, frames: Vec<Times<'a>>) -> Markup {
     let names: Vec<&str> = unique(names).into_iter().chain([ALL_PASSES]).collect();
-    let mut table = Table::new(&names).text(title, |name| *name);
+    let mut table = ReportTable::new(&names).text(title, |name| *name);
     for (head, passes, all) in frames {
         let time = |name: &&str| passes.iter().find(|(pass, _)| pass == name).map(|(_, ms)| *ms);
         table = table.number(head, digits, |name| if *name == ALL_PASSES { Some(all) } else { time(name) });
@@ -217,7 +217,7 @@ pub fn passes<'a>(title: &str, names: Vec<&'a str>, frames: Vec<Times<'a>>) -> M
 
 const ALL_PASSES: &str = "all passes";
 
-/// The script that sorts tables ([`Table::sortable`]), once at the end of a page.
+/// The script that sorts tables ([`ReportTable::sortable`]), once at the end of a page.
 pub fn sorting() -> Markup {
     script(include_str!("sort.js"))
 }
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn shown_text_is_escaped() {
-        let page = page("a < b", &Table::new(&["<b>&"]).text("name", |name| *name).html());
+        let page = page("a < b", &ReportTable::new(&["<b>&"]).text("name", |name| *name).html());
         assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
         assert!(page.contains("<title>a &lt; b</title>") && page.contains("&lt;b&gt;&amp;") && !page.contains("<b>"));
     }

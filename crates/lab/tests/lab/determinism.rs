@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use pellucid_core::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_gpu::{self as gpu, Device, Preferences, Variant};
-use pellucid_lab::check::{self, Follows, Lack, Subject};
+use pellucid_lab::check::{self, Follows, Lack, MethodScene};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{Discs, Method, MethodChoice};
 use pellucid_testing::{is_llvmpipe, with_device, with_device_that_binds, with_device_that_prefers};
@@ -25,7 +25,7 @@ const SUBJECTS: usize = 62;
 
 /// A subject, its points in order, and its image as a renderer that has done nothing else makes it.
 pub struct Baseline {
-    pub subject: Subject,
+    pub subject: MethodScene,
     arranged: Arranged,
     first: Rendered,
 }
@@ -148,7 +148,7 @@ fn repeated(device: &Device, all: &[Baseline], times: usize, wrong: &mut Wrong) 
     }
 }
 
-fn render(device: &Device, subject: &Subject) -> Image {
+fn render(device: &Device, subject: &MethodScene) -> Image {
     subject.render(&mut fresh(device)).expect("what renders in one order renders in any").image
 }
 

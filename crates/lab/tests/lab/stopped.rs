@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_gpu::{self as gpu, Device};
-use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_lab::check::{self, Lack, MethodScene};
 use pellucid_scene::{Kernel, Method};
 use pellucid_testing::{is_llvmpipe, with_device};
 
@@ -46,7 +46,7 @@ fn buffers(frame: &Frame) -> (&'static str, bool) {
 }
 
 /// The first subject for each set of buffers.
-fn subjects() -> Vec<Subject> {
+fn subjects() -> Vec<MethodScene> {
     let mut seen = HashSet::new();
     check::subjects().into_iter().filter(|subject| seen.insert(buffers(&subject.frame))).collect()
 }
@@ -57,7 +57,7 @@ fn places() -> impl Iterator<Item = u64> {
 }
 
 /// Stops at place after place until a frame gets through; how many were stopped, or what is wrong.
-fn stop_everywhere(device: &Device, renderer: &mut Renderer, subject: &Subject) -> Result<u64, String> {
+fn stop_everywhere(device: &Device, renderer: &mut Renderer, subject: &MethodScene) -> Result<u64, String> {
     let arranged = subject.arranged();
     let first = match subject.render_arranged(renderer, &arranged) {
         Ok(first) => first,

@@ -11,7 +11,7 @@ use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_io::store::build::Settings;
 use pellucid_io::store::{MemoryStore, Store};
-use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_lab::check::{self, Lack, MethodScene};
 use pellucid_scene::prepare::{self, Arranged, DEFAULT_NEIGHBORS, Request, radius};
 use pellucid_scene::stored::{Stored, open_stores};
 use pellucid_scene::{self as scene, Method, Overrides, Scene, procedural};
@@ -63,8 +63,8 @@ impl Both {
 }
 
 /// The subjects that stores hold: files of Gaussians are read as a whole, and no store has splats.
-fn subjects() -> Vec<Subject> {
-    let are_points = |subject: &Subject| subject.clouds.iter().all(|cloud| cloud.gaussians.is_none());
+fn subjects() -> Vec<MethodScene> {
+    let are_points = |subject: &MethodScene| subject.clouds.iter().all(|cloud| cloud.gaussians.is_none());
     check::subjects().into_iter().filter(are_points).collect()
 }
 
@@ -107,7 +107,7 @@ fn scene_of(paths: &[PathBuf], method: Method) -> Scene {
 fn subjects_in_stores_have_the_bytes_of_memory() {
     with_device(|device| {
         let (mut wrong, mut same) = (Vec::new(), 0);
-        for Subject { name, clouds, frame, .. } in subjects() {
+        for MethodScene { name, clouds, frame, .. } in subjects() {
             let folder = tempfile::tempdir().expect("a folder");
             let paths = clouds.iter().zip(0..);
             // How a point lies that has no normal is found from all points in memory.

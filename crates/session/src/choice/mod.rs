@@ -36,8 +36,8 @@ use pellucid_gpu::Device;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{self as scene, Detail, Method, Scene};
 pub use renderers::Renderers;
-pub use survey::{Lists, Measured};
-pub use table::Row;
+pub use survey::{Lists, TrialResult};
+pub use table::MeasuredSetting;
 pub use trials::Trials;
 
 /// RMSE up to this is rounding: settings below it count as equally accurate, and the fastest of them wins.
@@ -76,7 +76,7 @@ impl Wish {
 
 /// The frame to choose for.
 #[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
+pub struct ChoiceFrame<'a> {
     /// The scene's points, which `cloud` holds.
     pub arranged: &'a Arranged,
     /// The frame; of its method only whose image formation counts.
@@ -112,7 +112,7 @@ pub struct Choice {
     /// The unfulfilled part of the constraint, in words.
     pub warning: Option<String>,
     /// The best settings of those measured, the best one first.
-    pub best: Vec<Row>,
+    pub best: Vec<MeasuredSetting>,
     /// The number of settings with measurements.
     pub known: usize,
     /// Frames that were rendered to choose; 0 if all was known before.
@@ -157,7 +157,7 @@ impl Choice {
 pub fn choose(
     device: &Device,
     cloud: &mut DeviceCloud,
-    subject: &Subject<'_>,
+    subject: &ChoiceFrame<'_>,
     wish: Wish,
     recalibrate: bool,
     progress: &Progress,

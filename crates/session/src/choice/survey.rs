@@ -30,7 +30,7 @@ impl Lists {
 
 /// The measurements of a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured {
+pub struct TrialResult {
     /// Error, and the median time of the frames behind it.
     pub figures: Figures,
     /// Largest number of device bytes at any time of a frame, cloud and image included.

@@ -10,7 +10,7 @@ const NO_PICTURE: f64 = 0.1;
 
 /// A setting that was measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct MeasuredSetting {
     /// Method and setting.
     pub name: String,
     /// Measurements of the setting.
@@ -22,8 +22,8 @@ pub struct Row {
 }
 
 /// The best rows for a constraint, the best one first: those that fulfill it, then those that come nearest.
-pub(super) fn best(mut rows: Vec<Row>, wish: Wish) -> Vec<Row> {
-    let rank = |row: &Row| {
+pub(super) fn best(mut rows: Vec<MeasuredSetting>, wish: Wish) -> Vec<MeasuredSetting> {
+    let rank = |row: &MeasuredSetting| {
         let Figures { rmse, gpu_ms } = row.figures;
         match (wish.max_error, wish.budget_ms) {
             (Some(most), _) if rmse <= most => (0, gpu_ms, rmse),
@@ -58,9 +58,9 @@ pub(super) fn no_picture(rmse: f64) -> Option<String> {
 }
 
 /// Returns the best settings as a table: setting, RMSE, time, and how far apart the times of its frames are.
-pub(super) fn listed(rows: &[Row]) -> String {
+pub(super) fn listed(rows: &[MeasuredSetting]) -> String {
     let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("setting".len());
-    let line = |row: &Row| {
+    let line = |row: &MeasuredSetting| {
         let spread = row.spread.map_or_else(String::new, |spread| format!("{:>6.0}%", 100.0 * spread));
         let mark = if row.busy { " (a busy machine?)" } else { "" };
         let Figures { rmse, gpu_ms } = row.figures;
@@ -74,8 +74,8 @@ pub(super) fn listed(rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
-    fn row(name: &str, rmse: f64, gpu_ms: f64) -> Row {
-        Row { name: name.into(), figures: Figures { rmse, gpu_ms }, spread: None, busy: false }
+    fn row(name: &str, rmse: f64, gpu_ms: f64) -> MeasuredSetting {
+        MeasuredSetting { name: name.into(), figures: Figures { rmse, gpu_ms }, spread: None, busy: false }
     }
 
     fn names(wish: Wish) -> String {

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::limit;
 use super::renderers::Renderers;
-use super::survey::Measured;
-use super::table::Row;
-use super::{Figures, Subject};
+use super::survey::TrialResult;
+use super::table::MeasuredSetting;
+use super::{ChoiceFrame, Figures};
 use crate::candidates::{Formation, Occasion, Setting, formation};
 use pellucid_core::image::LinearImage;
 use pellucid_core::metrics;
@@ -102,7 +102,7 @@ impl CachedRecords {
 pub struct Trials<'a> {
     device: &'a Device,
     clouds: Clouds<'a>,
-    subject: &'a Subject<'a>,
+    subject: &'a ChoiceFrame<'a>,
     progress: &'a Progress,
     /// The reference frame.
     frame: Frame,
@@ -127,7 +127,7 @@ impl<'a> Trials<'a> {
     pub fn open(
         device: &'a Device,
         cloud: &'a mut DeviceCloud,
-        subject: &'a Subject<'a>,
+        subject: &'a ChoiceFrame<'a>,
         recalibrate: bool,
         progress: &'a Progress,
     ) -> Result<Self> {
@@ -185,12 +185,12 @@ impl<'a> Trials<'a> {
     ///
     /// # Errors
     /// A lost device, a message of the validation layers.
-    pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<Measured>> {
+    pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<TrialResult>> {
         match self.first_frames(setting, frames, most.map(|most| most / CLOSE)) {
             Ok(Record { rmse, gpu_ms, peak_device_bytes }) => {
                 self.device.check_validation()?;
                 let figures = Figures { rmse, gpu_ms: median(gpu_ms) };
-                Ok(Some(Measured { figures, peak_device_bytes }))
+                Ok(Some(TrialResult { figures, peak_device_bytes }))
             }
             Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => Ok(None),
             Err(error) => Err(error),
@@ -208,11 +208,11 @@ impl<'a> Trials<'a> {
     }
 
     /// A row for each setting that was measured.
-    pub(super) fn rows(&self, all: &[Setting]) -> Vec<Row> {
+    pub(super) fn rows(&self, all: &[Setting]) -> Vec<MeasuredSetting> {
         let row = |setting: &Setting| {
             let record = self.known.records.get(&setting.key())?;
             let name = format!("{} {}", setting.method.name(), setting.text).trim_end().to_owned();
-            Some(Row { name, figures: record.figures(), spread: record.spread(), busy: record.is_busy() })
+            Some(MeasuredSetting { name, figures: record.figures(), spread: record.spread(), busy: record.is_busy() })
         };
         all.iter().filter_map(row).collect()
     }

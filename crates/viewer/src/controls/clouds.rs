@@ -1,6 +1,6 @@
 //! Controls of clouds.
 
-use super::{Entry, Extent, Presence, entry, find};
+use super::{ControlExtent, KeyControl, Presence, entry, find};
 use pellucid_scene::prepare::DEFAULT_NEIGHBORS;
 use pellucid_scene::{Change, CloudSettings, Setting};
 
@@ -11,8 +11,8 @@ pub fn cloud(
     key: &str,
     own_radii: bool,
     prepared: Option<usize>,
-    extent: Extent,
-) -> Option<Entry> {
+    extent: ControlExtent,
+) -> Option<KeyControl> {
     let key = find(cloud.keys(), key)?;
     let mut entry = entry(&key, extent)?;
     if let Presence::Optional { on, without } = &mut entry.presence {

@@ -3,7 +3,7 @@
 use super::*;
 use pellucid_scene::{Change, Document, Light, METHODS, Method, Overrides, Scene, SoftLayout, method_keys};
 
-const EXTENT: Extent = Extent { diagonal: 250.0, median_radius: 0.125 };
+const EXTENT: ControlExtent = ControlExtent { diagonal: 250.0, median_radius: 0.125 };
 
 fn document(method: &str) -> Document {
     let text = format!("[[cloud]]\npath = 'a.ply'\n[method]\nname = '{method}'\n");
@@ -32,7 +32,7 @@ fn names(keys: &[Key]) -> Vec<&'static str> {
     keys.iter().map(|key| key.name).collect()
 }
 
-fn is_on(entry: &Entry) -> bool {
+fn is_on(entry: &KeyControl) -> bool {
     match &entry.presence {
         Presence::Always => true,
         Presence::Optional { on, .. } | Presence::Rival { on } => *on,
@@ -50,7 +50,7 @@ fn saved(document: &Document) -> Scene {
 fn moves(
     document: &Document,
     key: &str,
-    entry: &dyn Fn(&Scene) -> Entry,
+    entry: &dyn Fn(&Scene) -> KeyControl,
     give: &dyn Fn(Option<Setting>) -> Vec<Change>,
 ) {
     let before = document.scene().unwrap();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Model;
-use crate::controls::Extent;
+use crate::controls::ControlExtent;
 use crate::statistics::Statistics;
 use pellucid_scene::{Change, Error, Scene, Setting, method_keys};
 
@@ -14,11 +14,11 @@ impl Model {
     }
 
     /// The extent of the last picture's scene and its soft points.
-    pub fn extent(&self) -> Extent {
-        let Some(picture) = &self.picture else { return Extent::default() };
+    pub fn extent(&self) -> ControlExtent {
+        let Some(picture) = &self.picture else { return ControlExtent::default() };
         let diagonal = Some(picture.subject.bounds.diagonal()).filter(|diagonal| *diagonal > 0.0);
         let median_radius = picture.field.as_ref().map_or(0.0, |field| field.parts.median_radius);
-        Extent { diagonal: diagonal.unwrap_or(1.0), median_radius }
+        ControlExtent { diagonal: diagonal.unwrap_or(1.0), median_radius }
     }
 
     /// True if a key of the scene file is given; for `cloud.*`, if any cloud has it.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Model, Pose, Setting, Task};
 use crate::messages::Saving;
-use crate::navigate::{Navigator, Subject, settings_of};
+use crate::navigate::{CameraSubject, Navigator, settings_of};
 use crate::route::Route;
 use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::{Defaults, Key, Problem, Turntable};
@@ -20,7 +20,7 @@ const TURN_PACE: f64 = 1.0;
 
 impl Model {
     /// The extent of the scene, once a picture of it has arrived.
-    fn subject(&self) -> Option<Subject> {
+    fn subject(&self) -> Option<CameraSubject> {
         self.navigator.map(|navigator| navigator.subject()).or(self.picture.as_ref().map(|picture| picture.subject))
     }
 

@@ -8,8 +8,8 @@ use super::due::STILL;
 use super::*;
 use crate::accuracy::{Accuracy, Exactness, History, Reference};
 use crate::draft::Effort;
-use crate::messages::{Held, Request};
-use crate::navigate::Subject;
+use crate::messages::{CloudShare, Request};
+use crate::navigate::CameraSubject;
 use pellucid_core::camera::Camera;
 use pellucid_core::cloud::{Bounds, UpAxis};
 use pellucid_engine::methods::{Facts, FrameProfile};
@@ -45,11 +45,11 @@ fn picture(request: &Request, whole: bool) -> News {
     let camera = Camera::look_at(-10.0 * DVec3::Y, DVec3::ZERO, DVec3::Z, perspective, 0.5, 100.0).unwrap();
     let half = DVec3::splat(3.0);
     let wall = Duration::from_millis(5);
-    News::Picture(Box::new(Picture {
+    News::Picture(Box::new(WindowPicture {
         serial: request.serial,
         pose: request.pose,
         camera,
-        subject: Subject { bounds: Bounds { min: -half, max: half }, radius: 0.1, up: UpAxis::Z },
+        subject: CameraSubject { bounds: Bounds { min: -half, max: half }, radius: 0.1, up: UpAxis::Z },
         size: SIZE,
         pixels: None,
         depths: vec![10.0; 64 * 48],
@@ -142,9 +142,12 @@ fn every_point_of_a_store_is_drawn_only_if_that_is_asked_for() {
     let (mut model, _) = settled();
     let held = |news: News, is_fine: bool| match news {
         News::Picture(picture) => {
-            let held =
-                Held { points: if picture.whole { 1_000_000_000 } else { 2_340_000 }, all: 1_000_000_000, is_fine };
-            News::Picture(Box::new(Picture { held: Some(held), ..*picture }))
+            let held = CloudShare {
+                points: if picture.whole { 1_000_000_000 } else { 2_340_000 },
+                all: 1_000_000_000,
+                is_fine,
+            };
+            News::Picture(Box::new(WindowPicture { held: Some(held), ..*picture }))
         }
         _ => unreachable!(),
     };

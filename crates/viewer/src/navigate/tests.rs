@@ -5,9 +5,9 @@ use pellucid_scene::camera_at;
 
 const SIZE: [u32; 2] = [640, 480];
 
-fn subject(center: DVec3) -> Subject {
+fn subject(center: DVec3) -> CameraSubject {
     let half = DVec3::new(5.0, 4.0, 3.0);
-    Subject { bounds: Bounds { min: center - half, max: center + half }, radius: 0.1, up: UpAxis::Z }
+    CameraSubject { bounds: Bounds { min: center - half, max: center + half }, radius: 0.1, up: UpAxis::Z }
 }
 
 /// Navigators near the origin and where surveys are, from the side, slanted and from straight above.
@@ -31,7 +31,7 @@ fn navigators() -> impl Iterator<Item = Navigator> {
 }
 
 fn camera(navigator: &Navigator) -> Camera {
-    let Subject { bounds, radius, .. } = navigator.subject;
+    let CameraSubject { bounds, radius, .. } = navigator.subject;
     camera_at(&navigator.settings(None, None), &bounds, radius).expect("a camera")
 }
 

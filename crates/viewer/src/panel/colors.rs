@@ -5,7 +5,7 @@ use egui::{ComboBox, DragValue, Id, Ui};
 use super::clips::shown_decimals;
 use super::clouds;
 use super::row::{choice_row, name, row};
-use crate::controls::{self, Entry, Presence, short_number};
+use crate::controls::{self, KeyControl, Presence, short_number};
 use crate::legend;
 use crate::model::Model;
 use crate::statistics::Statistics;
@@ -13,12 +13,12 @@ use pellucid_scene::{Change, CloudSettings, ColorBy, Setting};
 
 /// The clouds that the section is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Target {
+enum CloudSelection {
     All,
     One(usize),
 }
 
-impl Target {
+impl CloudSelection {
     fn key(self, name: &str) -> String {
         match self {
             Self::All => format!("cloud.*.{name}"),
@@ -57,22 +57,22 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// The clouds that were chosen; with one there is no choice.
-fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
+fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> CloudSelection {
     if clouds.len() == 1 {
-        return Target::One(0);
+        return CloudSelection::One(0);
     }
     let id = Id::new("colors of");
     let known = ui.data(|data| data.get_temp(id)).filter(|target| match target {
-        Target::All => true,
-        Target::One(i) => *i < clouds.len(),
+        CloudSelection::All => true,
+        CloudSelection::One(i) => *i < clouds.len(),
     });
-    let mut target = known.unwrap_or(Target::All);
+    let mut target = known.unwrap_or(CloudSelection::All);
     let text = |target| match target {
-        Target::All => "all clouds".to_owned(),
-        Target::One(i) => clouds.get(i).map_or_else(String::new, |settings| clouds::name(settings, i)),
+        CloudSelection::All => "all clouds".to_owned(),
+        CloudSelection::One(i) => clouds.get(i).map_or_else(String::new, |settings| clouds::name(settings, i)),
     };
     ComboBox::from_id_salt(id).selected_text(text(target)).width(150.0).truncate().show_ui(ui, |ui| {
-        for other in [Target::All].into_iter().chain((0..clouds.len()).map(Target::One)) {
+        for other in [CloudSelection::All].into_iter().chain((0..clouds.len()).map(CloudSelection::One)) {
             ui.selectable_value(&mut target, other, text(other));
         }
     });
@@ -81,25 +81,25 @@ fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
 }
 
 /// Shows the row of a single color that replaces all others.
-fn one_color(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
+fn one_color(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings) {
     let mut entry = controls::cloud(settings, "color", false, None, model.extent());
-    if let Some(Entry { presence: Presence::Optional { without, .. }, .. }) = &mut entry {
+    if let Some(KeyControl { presence: Presence::Optional { without, .. }, .. }) = &mut entry {
         without.clear();
     }
     row(ui, model, &target.key("color"), "one color", entry);
 }
 
 /// The row of a key that needs nothing but its control.
-fn plain(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings, key: &str) {
+fn plain(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings, key: &str) {
     let entry = controls::cloud(settings, key, false, None, model.extent());
     row(ui, model, &target.key(key), &controls::label(key), entry);
 }
 
 /// Shows the choice of what the colors mean, among the quantities that all of the clouds have.
-fn meaning(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
+fn meaning(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings) {
     let (statistics, scene) = (model.statistics(), model.scene().clone());
     let known = scene.clouds.iter().zip(statistics.iter()).enumerate();
-    let about = known.filter(|(i, _)| target == Target::All || target == Target::One(*i));
+    let about = known.filter(|(i, _)| target == CloudSelection::All || target == CloudSelection::One(*i));
     let offers: Vec<Vec<&str>> = about.map(|(_, (settings, statistics))| offers(settings, statistics)).collect();
     let Some((first, others)) = offers.split_first() else { return };
     let words: Vec<&str> =
@@ -111,7 +111,7 @@ fn meaning(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetti
 }
 
 /// The changes that let colors show something else. A range of other values goes.
-fn by(target: Target, word: Option<&str>) -> Vec<Change> {
+fn by(target: CloudSelection, word: Option<&str>) -> Vec<Change> {
     vec![(target.key("color_by"), word.map(Setting::from)), (target.key("range"), None)]
 }
 
@@ -150,7 +150,7 @@ fn ends(model: &Model, cloud: usize) -> Option<[f64; 2]> {
 }
 
 /// The values of the first and the last color.
-fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
+fn range(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings) {
     let key = target.key("range");
     let given = settings.coloring.range;
     let Some([low, high]) = given.or_else(|| ends(model, target.first())) else { return };

@@ -3,12 +3,12 @@
 use egui::Ui;
 
 use super::row::{edit_row, note, row};
-use crate::controls::{self, Entry, Presence};
+use crate::controls::{self, KeyControl, Presence};
 use crate::model::Model;
 use pellucid_scene::{Change, CloudSettings, Setting, rounded};
 
 /// The control of the key that decides how faint a cloud is, and the key.
-fn entry(cloud: &CloudSettings, model: &Model) -> Option<(&'static str, Entry)> {
+fn entry(cloud: &CloudSettings, model: &Model) -> Option<(&'static str, KeyControl)> {
     let (key, _) = controls::opacity(cloud);
     let mut entry = controls::cloud(cloud, key, false, None, model.extent())?;
     // Of the two keys this is the one that is there.

@@ -2,7 +2,7 @@
 
 use egui::{Button, ComboBox, DragValue, Label, Response, RichText, Sense, Slider, SliderClamping, Ui};
 
-use crate::controls::{self, Control, Entry, Presence, significant};
+use crate::controls::{self, Control, KeyControl, Presence, significant};
 use crate::hints::hint;
 use crate::model::Model;
 use pellucid_scene::Setting;
@@ -33,7 +33,7 @@ impl Edit {
 }
 
 /// A row that applies its own edits, if its key has a control. Returns true if its name was clicked.
-pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Option<Entry>) -> bool {
+pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Option<KeyControl>) -> bool {
     let Some(entry) = entry else { return false };
     let (edit, clicked) = edit_row(ui, model, key, label, entry);
     if let Some(edit) = edit {
@@ -44,9 +44,9 @@ pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Option
 
 /// A control with its name and, if its key is given, a button that removes the key; records the control's position.
 /// Returns the edit, and true if the name was clicked.
-pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> (Option<Edit>, bool) {
+pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: KeyControl) -> (Option<Edit>, bool) {
     let given = model.is_given(key);
-    let Entry { control, value, presence, about } = entry;
+    let KeyControl { control, value, presence, about } = entry;
     ui.horizontal(|ui| {
         if presence != Presence::Always {
             // Leave room for the switch, so that numbers align below each other.

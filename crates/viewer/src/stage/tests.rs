@@ -20,13 +20,13 @@ const SEED: u64 = 5;
 
 const SETUP: Setup = Setup { seed: SEED, memory_budget: None, host_memory: u64::MAX };
 
-fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
+fn stage(device: &Device, clouds: Vec<Cloud>) -> SceneRenderer {
     let clouds = Clouds::Held(clouds.into_iter().map(Into::into).collect());
-    Stage::new(device, Sources::new(clouds, u64::MAX, false), &SETUP).unwrap()
+    SceneRenderer::new(device, Sources::new(clouds, u64::MAX, false), &SETUP).unwrap()
 }
 
 /// The picture of a stage and a renderer that know nothing yet, which take the place of `other`.
-fn fresh(other: &mut Stage, device: &Device, clouds: &[Cloud], scene: &Scene) -> TakenPicture {
+fn fresh(other: &mut SceneRenderer, device: &Device, clouds: &[Cloud], scene: &Scene) -> TakenPicture {
     *other = stage(device, clouds.to_vec());
     other.take(scene, Pose::Scene, Effort::Whole).unwrap()
 }

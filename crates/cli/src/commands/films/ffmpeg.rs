@@ -8,7 +8,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use super::Kind;
+use super::FilmFormat;
 use super::stills::{Stills, even};
 use crate::commands::interrupt::{self, Helper};
 
@@ -54,17 +54,17 @@ fn program() -> PathBuf {
 }
 
 /// The encoder of a film, what to make instead where it is missing, and its settings.
-fn coding(kind: Kind) -> Option<(&'static str, &'static str, &'static [&'static str])> {
+fn coding(kind: FilmFormat) -> Option<(&'static str, &'static str, &'static [&'static str])> {
     match kind {
-        Kind::Mp4 => {
+        FilmFormat::Mp4 => {
             Some(("libx264", "a .webm, .gif or .apng", &["-preset", "medium", "-crf", "18", "-movflags", "+faststart"]))
         }
-        Kind::Webm => Some((
+        FilmFormat::Webm => Some((
             "libvpx-vp9",
             "an .mp4, .gif or .apng",
             &["-crf", "24", "-b:v", "0", "-deadline", "good", "-cpu-used", "2", "-row-mt", "1"],
         )),
-        Kind::Gif | Kind::Apng => None,
+        FilmFormat::Gif | FilmFormat::Apng => None,
     }
 }
 
@@ -72,7 +72,7 @@ fn coding(kind: Kind) -> Option<(&'static str, &'static str, &'static [&'static 
 ///
 /// # Errors
 /// The program or its encoder is missing.
-pub fn check(film: &Path, kind: Kind) -> Result<(), Error> {
+pub fn check(film: &Path, kind: FilmFormat) -> Result<(), Error> {
     let Some((encoder, others, _)) = coding(kind) else { return Ok(()) };
     let (film, program) = (film.to_owned(), program());
     let listed = Command::new(&program).args(["-hide_banner", "-encoders"]).stdin(Stdio::null()).output();
@@ -90,7 +90,7 @@ pub fn check(film: &Path, kind: Kind) -> Result<(), Error> {
 pub struct Encoding<'a> {
     /// File name of the film, for messages.
     pub film: &'a Path,
-    pub kind: Kind,
+    pub kind: FilmFormat,
     /// Temporary file that ffmpeg writes.
     pub part: &'a Path,
     pub fps: u32,

@@ -53,14 +53,14 @@ pub struct FilmArgs {
 
 /// The container and coding of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum FilmFormat {
     Mp4,
     Webm,
     Gif,
     Apng,
 }
 
-impl Kind {
+impl FilmFormat {
     /// Returns the kind that belongs to the extension, if it is that of a film.
     fn of(path: &Path) -> Option<Self> {
         Some(match extension(path)?.as_str() {
@@ -89,7 +89,7 @@ fn refuse_number(path: &Path) -> Result<()> {
 /// True if somebody who gives this name expects a film.
 fn names_film(path: &Path) -> bool {
     let others = ["mkv", "mov", "avi", "m4v", "ogv"];
-    Kind::of(path).is_some() || extension(path).is_some_and(|extension| others.contains(&extension.as_str()))
+    FilmFormat::of(path).is_some() || extension(path).is_some_and(|extension| others.contains(&extension.as_str()))
 }
 
 /// The options of a render that decide whether a film can be made.
@@ -104,7 +104,7 @@ pub struct Asked<'a> {
 /// Film and page that the frames of a path become; both may be missing.
 #[derive(Debug, Default)]
 pub struct Films {
-    film: Option<(PathBuf, Kind)>,
+    film: Option<(PathBuf, FilmFormat)>,
     page: Option<PathBuf>,
     fps: u32,
     /// The folder of the frames, if they go once everything is made of them.
@@ -157,9 +157,9 @@ impl FilmArgs {
     }
 }
 
-fn known_kind(path: &Path) -> Result<Kind> {
+fn known_kind(path: &Path) -> Result<FilmFormat> {
     refuse_number(path)?;
-    Kind::of(path).ok_or_else(|| {
+    FilmFormat::of(path).ok_or_else(|| {
         let path = path.display();
         usage(format!(
             "-o {path}: films are .mp4 (H.264), .webm (VP9), .gif or .apng; frame_%04d.png makes numbered frames for another program"
@@ -168,7 +168,7 @@ fn known_kind(path: &Path) -> Result<Kind> {
 }
 
 /// Refuses options that would have no effect on a film or a page.
-fn check_options(first: &Path, kind: Option<Kind>, page: bool, fps: u32, asked: &Asked<'_>) -> Result<()> {
+fn check_options(first: &Path, kind: Option<FilmFormat>, page: bool, fps: u32, asked: &Asked<'_>) -> Result<()> {
     let path = first.display();
     if asked.aov {
         return Err(usage(format!(
@@ -181,10 +181,10 @@ fn check_options(first: &Path, kind: Option<Kind>, page: bool, fps: u32, asked: 
     if asked.transparent && page {
         return Err(usage("--html: its pictures are JPEGs, which can't be transparent; leave out --transparent"));
     }
-    if asked.transparent && !matches!(kind, Some(Kind::Apng)) && kind.is_some() {
+    if asked.transparent && !matches!(kind, Some(FilmFormat::Apng)) && kind.is_some() {
         return Err(usage(format!("{path}: only an .apng keeps --transparent, of the films")));
     }
-    if kind == Some(Kind::Gif) && fps > MAX_GIF_FPS {
+    if kind == Some(FilmFormat::Gif) && fps > MAX_GIF_FPS {
         return Err(usage(format!(
             "{path}: browsers show at most {MAX_GIF_FPS} frames of a GIF in a second; give a smaller --fps, or make an .apng"
         )));
@@ -263,9 +263,9 @@ impl Films {
         let progress = making(path, stills, console);
         let step = || progress.inc(1);
         match kind {
-            Kind::Mp4 | Kind::Webm => self.encode(made, (path, *kind), stills, caption, (console, &step))?,
-            Kind::Gif => made.add(path, |out| gif::write(out, stills, self.fps, caption.closed, &step))?,
-            Kind::Apng => made.add(path, |out| animation::write(out, stills, self.fps, caption, &step))?,
+            FilmFormat::Mp4 | FilmFormat::Webm => self.encode(made, (path, *kind), stills, caption, (console, &step))?,
+            FilmFormat::Gif => made.add(path, |out| gif::write(out, stills, self.fps, caption.closed, &step))?,
+            FilmFormat::Apng => made.add(path, |out| animation::write(out, stills, self.fps, caption, &step))?,
         }
         progress.finish_and_clear();
         Ok(())
@@ -275,7 +275,7 @@ impl Films {
     fn encode(
         &self,
         made: &mut Files,
-        (path, kind): (&Path, Kind),
+        (path, kind): (&Path, FilmFormat),
         stills: &Stills,
         caption: &Caption,
         (console, step): (Console, &dyn Fn()),
@@ -290,7 +290,7 @@ impl Films {
             ));
         }
         let folder = self.folder.as_deref().unwrap_or(Path::new("."));
-        let part = folder.join(if kind == Kind::Mp4 { PARTS[0] } else { PARTS[1] });
+        let part = folder.join(if kind == FilmFormat::Mp4 { PARTS[0] } else { PARTS[1] });
         let encoding = ffmpeg::Encoding { film: path, kind, part: &part, fps: self.fps, title: &caption.title };
         let encoded = encoding.run(stills, step).map_err(CommandError::from).and_then(|()| {
             let copy = |out: &mut Writer| io::copy(&mut fs::File::open(&part)?, out).map(drop);

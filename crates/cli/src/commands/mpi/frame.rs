@@ -10,19 +10,19 @@ use super::desk::Desk;
 use super::ranks::Ranks;
 use super::share::Share;
 use super::spread;
-use super::stage::Stage;
-use super::turn::{Measured, Shared, Turn};
-use super::work::{Work, imbalance, ms};
+use super::stage::RankScene;
+use super::turn::{FrameTiming, Shared, Turn};
+use super::work::{RankWork, imbalance, ms};
 
 /// Renders a frame with all ranks; the first one gets it.
 ///
 /// # Errors
 /// Errors of rendering.
-pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
+pub fn render(stage: &mut RankScene, ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
     let (rounds, ranks) = (spread::frame::order(stage, ranks, listed), ranks.led().unwrap_or(ranks));
     ranks.meet();
     ranks.begin("rendering");
-    let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
+    let mut turn = Turn { begin: Instant::now(), work: RankWork::of(ranks), listed, ranks };
     let (before, read) = (ranks.traffic(), stage.bytes_read());
     let own = match stage.share {
         _ if rounds.is_some() => spread::frame::lead(stage, &mut turn, rounds.as_deref().unwrap_or_default())?,
@@ -33,7 +33,7 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
     turn.work.read = stage.bytes_read() - read;
     turn.work.note(ranks.traffic().since(before));
     let shared = turn.end(own);
-    if let Some(Shared { measured: Measured { work, .. }, .. }) = &shared
+    if let Some(Shared { measured: FrameTiming { work, .. }, .. }) = &shared
         && ranks.count() > 1
         && stage.share == Share::Windows
     {
@@ -46,9 +46,9 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
 ///
 /// # Errors
 /// Errors of rendering.
-pub fn film(stage: &mut Stage, cameras: &[Camera], ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
+pub fn film(stage: &mut RankScene, cameras: &[Camera], ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
     ranks.meet();
-    let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
+    let mut turn = Turn { begin: Instant::now(), work: RankWork::of(ranks), listed, ranks };
     let (before, read) = (ranks.traffic(), stage.bytes_read());
     let (mut desk, mut last, session) = (Desk::open(ranks, cameras.len()), None::<Rendered>, &mut stage.session);
     for number in desk.by_ref() {

@@ -10,7 +10,7 @@ use super::desk::Desk;
 use super::frame;
 use super::ranks::{Ranks, together, told};
 use super::share::Share;
-use super::stage::Stage;
+use super::stage::RankScene;
 use crate::commands::Error;
 use crate::commands::along::Along;
 use crate::commands::bar::Bar;
@@ -45,7 +45,7 @@ pub fn run(
         cameras = found;
         Ok((prepared, cameras.len()))
     };
-    let mut stage = Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
+    let mut stage = RankScene::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
     stage.session.renderer.timed = false;
     let mut frames = Frames::named(job, cameras, pattern, &stage.session);
     let found = if ranks.is_first() { frames.find(pattern) } else { Ok(()) };
@@ -68,7 +68,7 @@ pub fn run(
 /// Renders and writes, on each rank, frames as long as there are some; returns their number.
 fn each_its_own(
     frames: &Frames<'_>,
-    stage: &mut Stage,
+    stage: &mut RankScene,
     ranks: &Ranks,
     progress: &Bar,
     console: Console,
@@ -88,7 +88,7 @@ fn each_its_own(
 /// Renders each frame with all ranks, and writes it on the first one; returns the number of frames there.
 fn each_by_all(
     frames: &Frames<'_>,
-    stage: &mut Stage,
+    stage: &mut RankScene,
     ranks: &Ranks,
     progress: &Bar,
     console: Console,

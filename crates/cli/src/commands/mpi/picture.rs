@@ -7,7 +7,7 @@ use pellucid_session::Prepared;
 use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
-use super::stage::Stage;
+use super::stage::RankScene;
 use crate::commands::Error;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
@@ -32,10 +32,10 @@ pub fn run(
         request.frame.counts |= is_profiled;
         Ok((Prepared::new(request, &console, progress)?, 1))
     };
-    let mut stage = Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
+    let mut stage = RankScene::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
     stage.session.renderer.timed = is_profiled || console.is_verbose();
     let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(()) };
-    let Stage { mut session, share, .. } = stage;
+    let RankScene { mut session, share, .. } = stage;
     session.frame.depths = false;
     session.judge(&shared.rendered.image, &console)?;
     progress.finish_and_clear();

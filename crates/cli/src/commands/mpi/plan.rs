@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::ranks::Ranks;
 use super::share::{Offer, time};
-use super::stage::Stage;
+use super::stage::RankScene;
 use crate::commands::Error;
 use crate::commands::console::Console;
 use crate::commands::mpi_args::SharingArgs;
@@ -27,7 +27,7 @@ pub fn run(
         let request = args.input.request(None, &progress, console)?;
         Ok((Prepared::new(request, &console, &progress)?, 1))
     };
-    let mut stage = Stage::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
+    let mut stage = RankScene::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
     progress.finish_and_clear();
     if !ranks.is_first() {
         return Ok(());

@@ -6,7 +6,7 @@ use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
 use super::share::Share;
-use super::stage::Stage;
+use super::stage::RankScene;
 use crate::commands::Error;
 use crate::commands::console::Console;
 use crate::commands::mpi_args::SharingArgs;
@@ -25,7 +25,7 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         cameras = found;
         Ok((prepared, if args.along.option().is_some() { cameras.len() } else { 1 }))
     };
-    let mut stage = Stage::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
+    let mut stage = RankScene::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
     // The first frame pays for pipelines and buffers, and counts lists.
     let first = match stage.share {
         Share::Frames => frame::film(&mut stage, &vec![cameras[0]; ranks.count()], ranks, false)?,

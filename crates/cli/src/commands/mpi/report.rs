@@ -7,8 +7,8 @@ use pellucid_session::Session;
 use serde_json::{Value, json};
 
 use super::share::Share;
-use super::turn::{Measured, Shared};
-use super::work::{Work, imbalance, ms};
+use super::turn::{FrameTiming, Shared};
+use super::work::{RankWork, imbalance, ms};
 use crate::commands::options::MeasureArgs;
 use crate::commands::tables;
 
@@ -17,12 +17,12 @@ pub struct Report {
     /// Profile of the first rank, in the form of `pellucid`.
     pub profile: Profile,
     share: Share,
-    frames: Vec<Measured>,
+    frames: Vec<FrameTiming>,
     /// Distribution of points over the ranks, if they are distributed.
     pub spread: Option<Value>,
 }
 
-impl Measured {
+impl FrameTiming {
     fn to_json(&self) -> Value {
         json!({
             "wall_ms": ms(self.wall),
@@ -34,7 +34,7 @@ impl Measured {
 }
 
 /// Returns the work of a rank, without its timeline.
-fn rank(work: &Work) -> Value {
+fn rank(work: &RankWork) -> Value {
     let mut value = json!(work);
     if let Some(object) = value.as_object_mut() {
         object.remove("timeline");
@@ -73,7 +73,7 @@ impl Report {
         whole["ranks"] = json!({
             "count": self.frames.first().map_or(1, |frame| frame.work.len()),
             "share": self.share.to_string(),
-            "frames": self.frames.iter().map(Measured::to_json).collect::<Vec<_>>(),
+            "frames": self.frames.iter().map(FrameTiming::to_json).collect::<Vec<_>>(),
         });
         if let Some(spread) = &self.spread {
             whole["ranks"]["spread"] = spread.clone();

@@ -17,7 +17,7 @@ use super::ranks::{Ranks, together, told};
 use super::share::{Job, Share};
 use super::spread;
 use super::spread::deal::Spread;
-use super::work::Work;
+use super::work::RankWork;
 use crate::commands::Error;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
@@ -39,7 +39,7 @@ const REST: f64 = 0.2;
 const BALANCED: f64 = 1.05;
 
 /// A scene on this rank's device.
-pub struct Stage {
+pub struct RankScene {
     pub session: Session,
     pub share: Share,
     /// Work that can be shared.
@@ -61,7 +61,7 @@ struct Last {
     is_balanced: bool,
 }
 
-impl Stage {
+impl RankScene {
     /// Brings what `prepare` reads to the device; it also returns how many frames there are to render.
     ///
     /// # Errors
@@ -154,7 +154,7 @@ impl Stage {
     }
 
     /// Learns from what ranks took for a frame.
-    pub fn learn(&mut self, work: &[Work], imbalance: f64) {
+    pub fn learn(&mut self, work: &[RankWork], imbalance: f64) {
         let camera = self.session.frame.camera;
         let windows = work.iter().flat_map(|work| work.windows.clone()).collect();
         // Who gets other regions of the same view brings other points, which takes time once.

@@ -12,19 +12,19 @@ use super::cut::is_empty;
 use super::desk::Desk;
 use super::pixels;
 use super::ranks::{Ranks, decoded, encoded};
-use super::stage::Stage;
-use super::work::{Work, joined, ms};
+use super::stage::RankScene;
+use super::work::{RankWork, joined, ms};
 
 /// A frame, on the first rank.
 pub struct Shared {
     pub rendered: Rendered,
-    pub measured: Measured,
+    pub measured: FrameTiming,
 }
 
 /// Measurements of a frame.
-pub struct Measured {
+pub struct FrameTiming {
     /// Work of each rank.
-    pub work: Vec<Work>,
+    pub work: Vec<RankWork>,
     /// Time from the moment at which all ranks began until the image was whole.
     pub wall: Duration,
     /// The first rank's time for bringing the parts together, without that of waiting for them.
@@ -34,17 +34,17 @@ pub struct Measured {
 /// A rank's turn in a frame.
 pub struct Turn<'a> {
     pub begin: Instant,
-    pub work: Work,
+    pub work: RankWork,
     pub listed: bool,
     pub ranks: &'a Ranks,
 }
 
 /// The whole frame, and the time for bringing it together.
-pub type Whole = Option<(Rendered, Duration)>;
+pub type GatheredFrame = Option<(Rendered, Duration)>;
 
 impl Turn<'_> {
     /// Tells the first rank, which has the frame, what all did.
-    pub fn end(self, own: Whole) -> Option<Shared> {
+    pub fn end(self, own: GatheredFrame) -> Option<Shared> {
         let Self { begin, work, ranks, .. } = self;
         let Some((mut rendered, gather)) = own else {
             ranks.send(0, &encoded(&work));
@@ -55,7 +55,7 @@ impl Turn<'_> {
         if ranks.count() > 1 {
             joined(&mut rendered.facts, &all);
         }
-        Some(Shared { rendered, measured: Measured { work: all, wall: begin.elapsed(), gather } })
+        Some(Shared { rendered, measured: FrameTiming { work: all, wall: begin.elapsed(), gather } })
     }
 
     /// The whole frame by one rank.
@@ -67,7 +67,7 @@ impl Turn<'_> {
     }
 
     /// Draws samples as long as there are some; the first rank gets the sums of all, and resolves them.
-    pub fn samples(&mut self, stage: &mut Stage) -> Result<Whole> {
+    pub fn samples(&mut self, stage: &mut RankScene) -> Result<GatheredFrame> {
         let ranges = stage.samples(self.ranks.count());
         let session = &mut stage.session;
         let (mut desk, mut own) = (Desk::open(self.ranks, ranges.len()), None::<SamplePart>);
@@ -117,7 +117,7 @@ impl Turn<'_> {
     }
 
     /// Renders windows as long as there are some; the first rank puts those of all together.
-    pub fn windows(&mut self, stage: &mut Stage) -> Result<Whole> {
+    pub fn windows(&mut self, stage: &mut RankScene) -> Result<GatheredFrame> {
         let windows = stage.windows(self.ranks);
         let session = &mut stage.session;
         let (mut desk, mut own) = (Desk::open(self.ranks, windows.len()), None);

@@ -10,7 +10,7 @@ use super::ranks::{Ranks, Traffic};
 
 /// A rank's part of a frame. Times are in milliseconds, those of beginnings since the frame began.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Work {
+pub struct RankWork {
     /// The rank.
     pub rank: usize,
     /// Host of the rank.
@@ -31,7 +31,7 @@ pub struct Work {
     /// Bytes that it read of nodes.
     pub read: u64,
     /// Passes in order of their first run: name, time on the device, invocations.
-    pub passes: Vec<Pass>,
+    pub passes: Vec<RankPass>,
     /// Each dispatch: name, beginning, time on the device.
     pub timeline: Vec<(String, f64, f64)>,
     /// Fragments, and the longest list.
@@ -43,13 +43,13 @@ pub struct Work {
 
 /// A pass with all its dispatches.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Pass {
+pub struct RankPass {
     pub name: String,
     pub gpu_ms: f64,
     pub invocations: Option<u64>,
 }
 
-impl Work {
+impl RankWork {
     /// Returns a record of a rank that has done nothing yet.
     pub fn of(ranks: &Ranks) -> Self {
         Self { rank: ranks.own(), host: ranks.host().to_owned(), ..Self::default() }
@@ -67,7 +67,9 @@ impl Work {
                     known.gpu_ms += gpu_ms;
                     known.invocations = known.invocations.zip(pass.invocations).map(|(a, b)| a + b);
                 }
-                None => self.passes.push(Pass { name: pass.name.to_owned(), gpu_ms, invocations: pass.invocations }),
+                None => {
+                    self.passes.push(RankPass { name: pass.name.to_owned(), gpu_ms, invocations: pass.invocations })
+                }
             }
         }
         if listed {
@@ -89,14 +91,14 @@ impl Work {
 }
 
 /// The counts of a whole frame, from those of its first rank and the work of all.
-pub fn joined(facts: &mut Facts, all: &[Work]) {
+pub fn joined(facts: &mut Facts, all: &[RankWork]) {
     facts.fragments = all.iter().map(|work| work.fragments).sum();
     facts.max_list = all.iter().map(|work| work.max_list).max().unwrap_or(0);
     facts.visible = all.iter().map(|work| work.visible).sum();
 }
 
 /// The longest time that a rank was at work, by the mean of all.
-pub fn imbalance(all: &[Work]) -> f64 {
+pub fn imbalance(all: &[RankWork]) -> f64 {
     let times = || all.iter().map(|work| work.work_ms);
     let mean = times().sum::<f64>() / all.len().max(1) as f64;
     if mean > 0.0 { times().fold(0.0, f64::max) / mean } else { 1.0 }

@@ -5,7 +5,7 @@ mod known;
 use self::known::{Layer, bound, dots, known};
 use super::naive;
 use super::stage::{COLORS, COMPENSATED, Dot, HALF_ULP, composed};
-use super::{Case, CaseResult, Finding, Stage, one};
+use super::{Case, CaseRenderer, CaseResult, Finding, one};
 use pellucid_scene::{Hybrid, Method, MomentCount, Moments, Tail, Wavelet};
 
 /// Depths of the near and far plane of [`super::stage::pixels`].
@@ -143,13 +143,13 @@ fn naive_pixel(dots: &[Dot], method: &Method) -> [f32; 4] {
     }
 }
 
-fn found(stage: &mut Stage, method: Method, dots: &[Dot], wanted: [f64; 4], bound: f64) -> CaseResult {
+fn found(stage: &mut CaseRenderer, method: Method, dots: &[Dot], wanted: [f64; 4], bound: f64) -> CaseResult {
     let found = stage.pixel(dots, method)?;
     Ok(Finding::apart(&found, &naive_pixel(dots, &method), &wanted, bound))
 }
 
 /// Light before all of them is the same, so that it does not matter how much it is.
-fn at_one_depth(stage: &mut Stage, method: Method, opacity: f32) -> CaseResult {
+fn at_one_depth(stage: &mut CaseRenderer, method: Method, opacity: f32) -> CaseResult {
     let layers: Vec<Layer> = COLORS.map(|color| Layer { depth: 7.0, color, opacity, count: 2000 }).into();
     let dots = dots(&layers);
     let alpha = composed(&dots)[3];
@@ -157,7 +157,7 @@ fn at_one_depth(stage: &mut Stage, method: Method, opacity: f32) -> CaseResult {
     found(stage, method, &dots, (alpha * mean).extend(alpha).to_array(), COMPENSATED)
 }
 
-fn against_float64(stage: &mut Stage, method: Method, layers: &[Layer]) -> CaseResult {
+fn against_float64(stage: &mut CaseRenderer, method: Method, layers: &[Layer]) -> CaseResult {
     found(stage, method, &dots(layers), known(layers, RANGE, &method), bound(layers, RANGE, &method))
 }
 
@@ -166,7 +166,7 @@ const LEAST_BIAS: f32 = 1e-8;
 
 /// Checks half as many discs as moments and one more: their distribution is the only one that has these moments and a
 /// point at the depth where light is asked for, so that the light before this depth is exact.
-fn few_discs(stage: &mut Stage, settings: Moments) -> CaseResult {
+fn few_discs(stage: &mut CaseRenderer, settings: Moments) -> CaseResult {
     let depths = [7.0, 7.07, 900.0, 3e4, 1e6];
     let layers = layers(&depths[..=settings.moments.get() as usize / 2], 0.4);
     let (dots, method) = (dots(&layers), Method::Moments(settings));
@@ -174,7 +174,7 @@ fn few_discs(stage: &mut Stage, settings: Moments) -> CaseResult {
 }
 
 /// Checks discs at the edges of cells, where wavelets know the optical depth before each.
-fn faint_edges(stage: &mut Stage, method: Method, rank: u32) -> CaseResult {
+fn faint_edges(stage: &mut CaseRenderer, method: Method, rank: u32) -> CaseResult {
     let edges = 2u32 << rank;
     // To the far edge 2^16.
     let depth = |i: u32| 2f64.powf(16.0 * f64::from(i) / f64::from(edges - 1)) as f32;
@@ -184,7 +184,7 @@ fn faint_edges(stage: &mut Stage, method: Method, rank: u32) -> CaseResult {
 }
 
 /// The nearest lies at the first edge of a cell and the farthest at the last one, where wavelets are exact.
-fn one_ulp(stage: &mut Stage, method: Method) -> CaseResult {
+fn one_ulp(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let layers = layers(&[900.0, 900f32.next_up()], 0.5);
     let dots = dots(&layers);
     // Two products and a sum of two each, a quotient, and an exponential of 3 units.
@@ -192,7 +192,7 @@ fn one_ulp(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 /// Checks a fragment before a tail: it shows unchanged, and the tail takes the rest of the light.
-fn faint_tail(stage: &mut Stage, moments: MomentCount) -> CaseResult {
+fn faint_tail(stage: &mut CaseRenderer, moments: MomentCount) -> CaseResult {
     let (front, tail) = (Layer { depth: 0.75, color: COLORS[0], opacity: 0.5, count: 1 }, faint_spread());
     let alone = Method::Moments(Moments { moments, ..Moments::default() });
     let before = |behind: glam::DVec4| 0.5 * front.color.as_dvec3().extend(1.0) + 0.5 * behind;

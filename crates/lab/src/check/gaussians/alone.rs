@@ -6,8 +6,8 @@
 use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
 use super::super::stage::HALF_ULP;
-use super::super::{Finding, Stage};
-use super::splats::{Splat, View, cloud};
+use super::super::{CaseRenderer, Finding};
+use super::splats::{Splat, SplatView, cloud};
 use pellucid_core::image::Image;
 use pellucid_engine::Result;
 use pellucid_reference::gaussians::{self, Hit};
@@ -62,7 +62,7 @@ impl Shares {
 
 impl Expected {
     /// Computes the expected image with the float64 reference.
-    fn new(view: &View, splat: &Splat, method: &Method) -> Option<Self> {
+    fn new(view: &SplatView, splat: &Splat, method: &Method) -> Option<Self> {
         let gaussian = gaussians::gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
         let order = view.settings.order.unwrap_or(Order::Pixel);
         let (camera, size) = (&view.camera, view.size);
@@ -133,9 +133,9 @@ pub fn seen(image: &Image) -> Vec<Seen> {
 
 /// Renders Gaussians one by one. `least`: so many pixels of all of them must be clear, or nothing is known.
 pub fn alone(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
-    view: &View,
+    view: &SplatView,
     splats: &[Splat],
     least: usize,
     naive: impl Fn(&Splat) -> Vec<Seen>,
@@ -146,9 +146,9 @@ pub fn alone(
 
 /// Renders Gaussians one by one as [`alone`] does, with expectations of the caller.
 pub fn compared(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
-    view: &View,
+    view: &SplatView,
     splats: &[Splat],
     least: usize,
     expected: impl Fn(&Splat) -> Option<Expected>,

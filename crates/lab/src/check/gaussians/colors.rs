@@ -2,12 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::Stage;
+use super::super::CaseRenderer;
 use super::super::discs::roundings;
 use super::super::stage::HALF_ULP;
 use super::alone::Shares;
 use super::shapes::some;
-use super::splats::{Splat, View, cloud, part};
+use super::splats::{Splat, SplatView, cloud, part};
 use super::{CaseResult, before};
 use pellucid_core::camera::Camera;
 use pellucid_engine::Result;
@@ -24,9 +24,9 @@ const TERM: f64 = 112.0;
 /// Renders splats one by one, and compares colors over their opacities with those of a camera in float64. `off` is the
 /// most that a color is off by, and `naive` what another formula makes of it.
 fn compared(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
-    view: &View,
+    view: &SplatView,
     splats: &[Splat],
     off: impl Fn(&Splat, usize) -> f64,
     naive: impl Fn(&Splat) -> DVec3,
@@ -54,10 +54,11 @@ fn compared(
     Ok(if shares.naive == 0.0 { Shares { found: f64::INFINITY, ..shares } } else { shares })
 }
 
-pub(super) fn harmonics(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn harmonics(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let offset = DVec3::new(4_478_000.25, 5_413_000.5, 431.125);
     let camera = before(2.0, 60.0);
-    let view = View::new(Camera { eye: camera.eye + offset, ..camera }, [32, 24], GaussianSettings::default(), &method);
+    let view =
+        SplatView::new(Camera { eye: camera.eye + offset, ..camera }, [32, 24], GaussianSettings::default(), &method);
     let coefficient = |i: u32, k: u32| Vec3::from_array([0, 1, 2].map(|c| 0.3 * part(40 * i + k, 50 + c) as f32));
     let colored = |(splat, i): (Splat, u32)| Splat {
         position: splat.position + offset,
@@ -81,8 +82,8 @@ pub(super) fn harmonics(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(compared(stage, method, &view, &splats, off, naive)?.finding())
 }
 
-pub(super) fn beyond(stage: &mut Stage, method: Method) -> CaseResult {
-    let view = View::new(before(5.0, 45.0), [32, 24], GaussianSettings::default(), &method);
+pub(super) fn beyond(stage: &mut CaseRenderer, method: Method) -> CaseResult {
+    let view = SplatView::new(before(5.0, 45.0), [32, 24], GaussianSettings::default(), &method);
     let bases = [Vec3::new(3.0, -1.0, 0.5), Vec3::new(1e4, 0.25, -1e4), Vec3::new(-1e-30, 1.5, 0.0)].into_iter();
     let splats: Vec<Splat> =
         some(3, Vec3::splat(0.3), 0.5).into_iter().zip(bases).map(|(splat, base)| Splat { base, ..splat }).collect();

@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 
 use super::super::discs::roundings;
 use super::super::stage::{HALF_ULP, apart, at, pixels};
-use super::super::{Finding, Stage};
+use super::super::{CaseRenderer, Finding};
 use super::CaseResult;
-use super::splats::{Splat, View, cloud};
+use super::splats::{Splat, SplatView, cloud};
 use pellucid_engine::Result;
 use pellucid_scene::{GaussianSettings, Kernel, Method};
 
@@ -15,9 +15,9 @@ use pellucid_scene::{GaussianSettings, Kernel, Method};
 const DEPTH: f64 = 28.0;
 
 /// The only pixel, whose ray goes through all centers.
-fn pixel(stage: &mut Stage, method: Method, splats: &[Splat]) -> Result<[f32; 4]> {
+fn pixel(stage: &mut CaseRenderer, method: Method, splats: &[Splat]) -> Result<[f32; 4]> {
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };
-    let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
+    let view = SplatView::new(pixels([1, 1]), [1, 1], settings, &method);
     Ok(stage.render(&cloud(splats), &view.frame(method))?.image.rgba[0])
 }
 
@@ -33,7 +33,7 @@ fn depth_of(opacity: f32) -> f64 {
 const FAINT: u32 = 100_000;
 
 /// Checks many faint ellipsoids, each of which overlaps most of the others.
-pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn faint(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let opacity = 1e-5f32;
     let splats: Vec<Splat> = (0..FAINT).map(|i| ball(2e5 + f64::from(i), 1e5, opacity, Vec3::ONE)).collect();
     let found = pixel(stage, method, &splats)?;
@@ -50,7 +50,7 @@ pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 /// Thinner than a step between depths of float32.
-pub(super) fn thin(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn thin(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let thickness = 1e-8f32;
     let plate =
         |depth: f64, base: Vec3| Splat { extents: Vec3::new(2.0, 2.0, thickness), ..ball(depth, 1.0, 0.5, base) };
@@ -69,7 +69,7 @@ pub(super) fn thin(stage: &mut Stage, method: Method) -> CaseResult {
 
 /// A plate a hundred million times as dense as the ball that it is in: what is behind it in the ball has the ball's
 /// density alone.
-pub(super) fn dense_within(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn dense_within(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let thickness = 1e-5f32;
     let plate = Splat { extents: Vec3::new(2.0, 2.0, thickness), ..ball(1000.0, 1.0, 0.5, Vec3::X) };
     let splats = [ball(1000.0, 900.0, 0.75, Vec3::Y), plate];
@@ -85,7 +85,7 @@ pub(super) fn dense_within(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 /// The eye is within: what lies before near is not seen.
-pub(super) fn around_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn around_the_eye(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // From 1.5 before near, which is at 0.5, to 4.5 behind it.
     let found = pixel(stage, method, &[ball(2.0, 3.0, 0.984_375, Vec3::ONE)])?;
     let share = |part: f64| -(-depth_of(0.984_375) * part).exp_m1();
@@ -96,10 +96,10 @@ pub(super) fn around_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 /// Checks two ellipsoids of a centimeter, at coordinates of a projected map.
-pub(super) fn georeferenced(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn georeferenced(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let offset = DVec3::new(4_478_000.0, 5_413_000.0, 431.0);
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };
-    let mut view = View::new(pixels([1, 1]), [1, 1], settings, &method);
+    let mut view = SplatView::new(pixels([1, 1]), [1, 1], settings, &method);
     view.camera.eye += offset;
     // They overlap in half of each.
     let all = [ball(5.0, 0.01, 0.75, Vec3::X), ball(5.01, 0.01, 0.75, Vec3::Y)];

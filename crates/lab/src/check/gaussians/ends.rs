@@ -6,10 +6,10 @@ use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, projected};
 use super::super::naive::over_until;
 use super::super::stage::{HALF_ULP, apart, at, composed, dot, perspective, pixels};
-use super::super::{Finding, Stage};
+use super::super::{CaseRenderer, Finding};
 use super::alone::Shares;
 use super::shapes::{KERNELS, by, in_both, some};
-use super::splats::{Splat, View, cloud};
+use super::splats::{Splat, SplatView, cloud};
 use super::{CaseResult, before};
 use pellucid_engine::Result;
 use pellucid_scene::{GaussianSettings, Method};
@@ -18,18 +18,18 @@ const SIZE: [u32; 2] = [64, 48];
 
 /// Checks both kernels; the naive formula ends an ellipse at three standard deviations.
 fn beyond_three(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
     settings: GaussianSettings,
     splats: &[Splat],
     least: usize,
 ) -> CaseResult {
-    let by = |kernel| View::new(before(5.0, 45.0), SIZE, GaussianSettings { kernel, ..settings }, &method);
+    let by = |kernel| SplatView::new(before(5.0, 45.0), SIZE, GaussianSettings { kernel, ..settings }, &method);
     let cut = Formula { reach: Some(3.0), ..Formula::default() };
     in_both(stage, method, KERNELS.map(by), splats, least, |splat, view| projected(splat, view, &cut))
 }
 
-pub(super) fn least_opacity(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn least_opacity(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let settings = GaussianSettings::default();
     // 500 pixels. The opacity falls below the least one at 0.0055 standard deviations, or is nowhere as large.
     let size = Vec3::splat(43.0);
@@ -40,14 +40,14 @@ pub(super) fn least_opacity(stage: &mut Stage, method: Method) -> CaseResult {
     beyond_three(stage, method, settings, &splats, 40)
 }
 
-pub(super) fn tails(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn tails(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let settings = GaussianSettings { alpha_min: 2e-6, ..GaussianSettings::default() };
     let splats: Vec<Splat> =
         some(4, Vec3::new(0.3, 0.35, 0.2), 0.3).into_iter().map(|splat| Splat { opacity: 1.0, ..splat }).collect();
     beyond_three(stage, method, settings, &splats, 2000)
 }
 
-pub(super) fn most_opacity(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn most_opacity(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let nearly = 1.0 - f32::EPSILON / 2.0;
     // Behind the first layer one product rounds. Behind more, what is covered has been rounded before, near 1.
     let one = HALF_ULP * HALF_ULP;
@@ -57,9 +57,15 @@ pub(super) fn most_opacity(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 /// White behind black layers. ρ is 0 in the middle of a pixel, so that opacities are those of the centers.
-fn shines_through(stage: &mut Stage, method: Method, alpha_max: f32, layers: &[f32], bound: f64) -> Result<Shares> {
+fn shines_through(
+    stage: &mut CaseRenderer,
+    method: Method,
+    alpha_max: f32,
+    layers: &[f32],
+    bound: f64,
+) -> Result<Shares> {
     let settings = GaussianSettings { alpha_max, ..GaussianSettings::default() };
-    let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
+    let view = SplatView::new(pixels([1, 1]), [1, 1], settings, &method);
     let color = |i: usize| if i + 1 == layers.len() { Vec3::ONE } else { Vec3::ZERO };
     let depth = |i: usize| 1.0 + i as f64;
     let splat = |(i, opacity): (usize, &f32)| Splat {
@@ -78,7 +84,7 @@ fn shines_through(stage: &mut Stage, method: Method, alpha_max: f32, layers: &[f
     Ok(Shares { found: share(&image.rgba[0]), naive: share(&over_until(&dots, 1e-4)) })
 }
 
-pub(super) fn behind(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn behind(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 60.0, 0.5, 100.0);
     let splat =
         |z: f64| Splat { position: DVec3::new(0.01, 0.02, z), extents: Vec3::new(3.0, 2.0, 1.0), ..Splat::default() };
@@ -86,7 +92,7 @@ pub(super) fn behind(stage: &mut Stage, method: Method) -> CaseResult {
     splats.extend([0.0, 1e-30, 1e-3, 0.49, 101.0, 1e9, 1e30].map(|z| splat(-z)));
     let (mut drawn, mut naive) = (0.0f64, f64::INFINITY);
     for kernel in KERNELS {
-        let view = View::new(camera, [9, 9], by(kernel), &method);
+        let view = SplatView::new(camera, [9, 9], by(kernel), &method);
         let image = stage.render(&cloud(&splats), &view.frame(method))?.image;
         let all = image.rgba.iter().flatten().chain(image.depth.iter().filter(|z| **z != f32::INFINITY));
         drawn = all.map(|c| if *c == 0.0 { 0.0 } else { 1.0 }).fold(drawn, f64::max);

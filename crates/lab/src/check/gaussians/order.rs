@@ -4,11 +4,11 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::super::naive::{bytes_apart as pixel_bytes, over};
 use super::super::stage::{self, Dot, at, bytes_apart, dot, pixels};
-use super::super::{Finding, Stage};
+use super::super::{CaseRenderer, Finding};
 use super::alone::Shares;
 use super::shapes::some;
-use super::splats::{Splat, View, cloud, part, turned, unordered};
-use super::together::Scene;
+use super::splats::{Splat, SplatView, cloud, part, turned, unordered};
+use super::together::Float64Scene;
 use super::{CaseResult, before};
 use pellucid_core::points::Points;
 use pellucid_scene::prepare::order;
@@ -34,8 +34,8 @@ fn tied() -> Vec<Splat> {
     (0..80).map(splat).collect()
 }
 
-pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
-    let view = View::new(pixels([5, 5]), [5, 5], GaussianSettings::default(), &method);
+pub(super) fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
+    let view = SplatView::new(pixels([5, 5]), [5, 5], GaussianSettings::default(), &method);
     let splats = tied();
     let mut other = splats.clone();
     other[..40].rotate_left(13);
@@ -52,7 +52,7 @@ pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive))
 }
 
-pub(super) fn crossing(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn crossing(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let plate = |(i, angle): (usize, &f32)| Splat {
         position: DVec3::new(0.0, 0.0, -1e-3 * i as f64),
         extents: Vec3::new(0.5, 0.5, 0.01),
@@ -62,14 +62,14 @@ pub(super) fn crossing(stage: &mut Stage, method: Method) -> CaseResult {
         ..Splat::default()
     };
     let points = cloud(&[0.6, -0.5, 0.1].iter().enumerate().map(plate).collect::<Vec<_>>());
-    let view = View::new(before(3.0, 30.0), [63, 48], ordered(Order::Pixel), &method);
-    let scene = Scene { view, points: &points, color: ColorSpace::Encoded };
+    let view = SplatView::new(before(3.0, 30.0), [63, 48], ordered(Order::Pixel), &method);
+    let scene = Float64Scene { view, points: &points, color: ColorSpace::Encoded };
     // In the order of their centers, everywhere.
-    let naive = Scene { view: View { settings: ordered(Order::Center), ..view }, ..scene };
+    let naive = Float64Scene { view: SplatView { settings: ordered(Order::Center), ..view }, ..scene };
     Ok(scene.compare(stage, method, &naive.pixels())?.finding())
 }
 
-pub(super) fn by_centers(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn by_centers(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // Farther to the side, nearer in depth, so that the two orders are opposite.
     let places = [(0.0, -5.0), (2.0, -4.9), (4.0, -4.5), (-3.5, -4.6)];
     let splat = |(i, (x, z)): (usize, &(f64, f64))| Splat {
@@ -82,8 +82,8 @@ pub(super) fn by_centers(stage: &mut Stage, method: Method) -> CaseResult {
     let points = cloud(&places.iter().enumerate().map(splat).collect::<Vec<_>>());
     let camera = stage::perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.1, 100.0);
     let orders = [Order::Center, Order::Distance];
-    let view = |order| View::new(camera, [48, 36], ordered(order), &method);
-    let scene = |order| Scene { view: view(order), points: &points, color: ColorSpace::Encoded };
+    let view = |order| SplatView::new(camera, [48, 36], ordered(order), &method);
+    let scene = |order| Float64Scene { view: view(order), points: &points, color: ColorSpace::Encoded };
     let [center, distance] = orders.map(|order| scene(order).pixels());
     let shares = scene(Order::Center).compare(stage, method, &distance)?;
     Ok(shares.and(scene(Order::Distance).compare(stage, method, &center)?).finding())
@@ -103,14 +103,14 @@ fn both() -> (Points, Points) {
     (unordered(&splats.collect::<Vec<_>>()), stage::cloud(&(0..30).map(disc).collect::<Vec<_>>()))
 }
 
-pub(super) fn mixed(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn mixed(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let (splats, discs) = both();
     let mut all = splats.clone();
     all.append(discs.clone());
     let all = order::canonical(all);
     let splats = order::canonical(splats);
-    let view = View::new(before(5.0, 35.0), [64, 48], GaussianSettings::default(), &method);
-    let scene = |points| Scene { view, points, color: ColorSpace::Linear };
+    let view = SplatView::new(before(5.0, 35.0), [64, 48], GaussianSettings::default(), &method);
+    let scene = |points| Float64Scene { view, points, color: ColorSpace::Linear };
     // The picture of the splats over that of the discs.
     let over = |(front, back): ([f64; 4], [f64; 4])| std::array::from_fn(|c| front[c] + (1.0 - front[3]) * back[c]);
     let naive: Vec<[f64; 4]> = scene(&splats).pixels().into_iter().zip(scene(&discs).pixels()).map(over).collect();

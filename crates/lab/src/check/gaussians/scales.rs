@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::Stage;
+use super::super::CaseRenderer;
 use super::super::naive::gaussians::{Formula, along_rays, projected};
 use super::alone::alone;
 use super::shapes::{KERNELS, by, by_both, in_both, some};
-use super::splats::{Splat, View};
+use super::splats::{Splat, SplatView};
 use super::{CaseResult, before};
 use pellucid_core::camera::Camera;
 use pellucid_scene::{GaussianSettings, Kernel, Method};
@@ -22,26 +22,26 @@ fn scene() -> Vec<Splat> {
 
 /// Checks the scene in other units. The determinant of a covariance is a product of six lengths: too small or too large
 /// for float32.
-fn in_units(stage: &mut Stage, method: Method, unit: f64) -> CaseResult {
+fn in_units(stage: &mut CaseRenderer, method: Method, unit: f64) -> CaseResult {
     let splats: Vec<Splat> = scene().iter().map(|splat| splat.scaled(unit)).collect();
     by_both(stage, method, before(10.0 * unit, 45.0), &splats, 500)
 }
 
-pub(super) fn tiny(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn tiny(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     in_units(stage, method, 1e-8)
 }
 
-pub(super) fn large(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn large(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     in_units(stage, method, 1e6)
 }
 
-pub(super) fn far(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn far(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let offset = DVec3::new(4_478_000.25, 5_413_000.5, 431.125);
     let moved = |splat: Splat| Splat { position: splat.position + offset, ..splat };
     let splats: Vec<Splat> = some(6, Vec3::new(0.02, 0.01, 0.03), 0.1).into_iter().map(moved).collect();
     let camera = before(1.0, 20.0);
     let camera = Camera { eye: camera.eye + offset, ..camera };
-    let views = KERNELS.map(|kernel| View::new(camera, SIZE, by(kernel), &method));
+    let views = KERNELS.map(|kernel| SplatView::new(camera, SIZE, by(kernel), &method));
     // With positions in float32.
     in_both(stage, method, views, &splats, 300, |splat, view| match view.settings.kernel {
         Kernel::Ray => along_rays(splat, view),
@@ -49,23 +49,23 @@ pub(super) fn far(stage: &mut Stage, method: Method) -> CaseResult {
     })
 }
 
-pub(super) fn dilated(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn dilated(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = before(5.0, 45.0);
     let splats = some(2, Vec3::new(1e-4, 2e-4, 5e-4), 0.3);
     let large = GaussianSettings { dilation: 900.0, ..by(Kernel::Ewa) };
-    let view = View::new(camera, [256, 224], large, &method);
+    let view = SplatView::new(camera, [256, 224], large, &method);
     // An ellipse of three standard deviations.
     let cut = Formula { reach: Some(3.0), ..Formula::default() };
     let shares = alone(stage, method, &view, &splats, 10_000, |splat| projected(splat, &view, &cut))?;
-    let huge = View::new(camera, SIZE, GaussianSettings { dilation: 1e25, ..large }, &method);
+    let huge = SplatView::new(camera, SIZE, GaussianSettings { dilation: 1e25, ..large }, &method);
     // Opaque everywhere, and no formula fails.
     let other = alone(stage, method, &huge, &splats, 1000, |_| Vec::new())?;
     Ok(shares.larger(other).finding())
 }
 
-pub(super) fn subpixel(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn subpixel(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let settings = GaussianSettings { antialias: true, ..by(Kernel::Ewa) };
-    let view = View::new(before(5.0, 45.0), SIZE, settings, &method);
+    let view = SplatView::new(before(5.0, 45.0), SIZE, settings, &method);
     // A pixel is a twelfth of a unit.
     let sizes = [3e-4f32, 3e-3, 1e-2, 3e-2, 9e-2].into_iter().zip(0..);
     let sized =

@@ -2,12 +2,12 @@
 
 use glam::{DVec2, DVec3, Quat, Vec3};
 
-use super::super::Stage;
+use super::super::CaseRenderer;
 use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, Seen, along_rays, projected};
 use super::super::stage::{HALF_ULP, perspective};
 use super::alone::{Expected, Known, Shares, alone, compared};
-use super::splats::{Splat, View, cloud, part, turned};
+use super::splats::{Splat, SplatView, cloud, part, turned};
 use super::{CaseResult, before};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_reference::gaussians::{PlacedGaussian, ewa, gaussian};
@@ -45,9 +45,9 @@ fn sticks(extents: Vec3, spread: f64) -> Vec<Splat> {
     (0..6).map(stick).collect()
 }
 
-pub(super) fn needles(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn needles(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = Camera { projection: Projection::Orthographic { height: 4.8 }, ..before(5.0, 45.0) };
-    let view = View::new(camera, SIZE, GaussianSettings::default(), &method);
+    let view = SplatView::new(camera, SIZE, GaussianSettings::default(), &method);
     let splats = sticks(Vec3::new(1e3, 1e-3, 1e-3), 0.5);
     let expected = |splat: &Splat| along_an_axis(&view, splat, &method);
     // The products of variances are 1e15, and their difference is 3e7.
@@ -62,7 +62,7 @@ pub(super) fn needles(stage: &mut Stage, method: Method) -> CaseResult {
 /// and its products), and by 8 u where rows are made orthogonal (Higham, "Accuracy and Stability of Numerical
 /// Algorithms", Section 19.3). At d pixels from the center w is off by √2 · 48 u d, and d itself by one rounding of a
 /// pixel and eight of its products. What 8 u of the length L adds across the needle, its variance gains.
-fn along_an_axis(view: &View, splat: &Splat, method: &Method) -> Option<Expected> {
+fn along_an_axis(view: &SplatView, splat: &Splat, method: &Method) -> Option<Expected> {
     let gaussian = gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
     let placed = PlacedGaussian::new(&view.camera, view.size, &gaussian)?;
     let screen = ewa::Projected::new(&placed, &view.settings);
@@ -91,18 +91,18 @@ fn along_an_axis(view: &View, splat: &Splat, method: &Method) -> Option<Expected
 }
 
 /// The depth of a splat's center.
-fn placed_depth(view: &View, splat: &Splat) -> f64 {
+fn placed_depth(view: &SplatView, splat: &Splat) -> f64 {
     view.camera.to_view(splat.position).z
 }
 
-pub(super) fn by_ray(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn by_ray(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // A narrow view: needles that reach far in depth have rays of which roundings leave nothing.
-    let view = View::new(before(5.0, 0.045), SIZE, by(Kernel::Ray), &method);
+    let view = SplatView::new(before(5.0, 0.045), SIZE, by(Kernel::Ray), &method);
     let splats = sticks(Vec3::new(1.0, 1e-4, 1e-4), 5e-4);
     Ok(alone(stage, method, &view, &splats, 300, |splat| along_rays(splat, &view))?.finding())
 }
 
-pub(super) fn plates(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn plates(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = before(5.0, 7.0);
     // Turned about the viewing axis, and tilted out of it.
     let plate = |i: u32| Splat {
@@ -115,17 +115,23 @@ pub(super) fn plates(stage: &mut Stage, method: Method) -> CaseResult {
     by_both(stage, method, camera, &(0..6).map(plate).collect::<Vec<_>>(), 300)
 }
 
-pub(super) fn flat(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn flat(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let splats = some(6, Vec3::new(0.5, 0.8, 0.0), 0.5);
     // The inverse of their covariance is none.
     by_both(stage, method, before(5.0, 45.0), &splats, 300)
 }
 
 /// Checks both kernels; the naive formula works along rays.
-pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats: &[Splat], least: usize) -> CaseResult {
+pub(super) fn by_both(
+    stage: &mut CaseRenderer,
+    method: Method,
+    camera: Camera,
+    splats: &[Splat],
+    least: usize,
+) -> CaseResult {
     let mut shares = Shares::NOTHING;
     for kernel in KERNELS {
-        let view = View::new(camera, SIZE, by(kernel), &method);
+        let view = SplatView::new(camera, SIZE, by(kernel), &method);
         let naive = |splat: &Splat| if kernel == Kernel::Ray { along_rays(splat, &view) } else { Vec::new() };
         shares = shares.larger(alone(stage, method, &view, splats, least, naive)?);
     }
@@ -134,20 +140,20 @@ pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats:
 
 /// Checks the views of both kernels; a naive formula must fail in each.
 pub(super) fn in_both(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     method: Method,
-    [ewa, rays]: [View; 2],
+    [ewa, rays]: [SplatView; 2],
     splats: &[Splat],
     least: usize,
-    naive: impl Fn(&Splat, &View) -> Vec<Seen>,
+    naive: impl Fn(&Splat, &SplatView) -> Vec<Seen>,
 ) -> CaseResult {
     let shares = alone(stage, method, &ewa, splats, least, |splat| naive(splat, &ewa))?;
     Ok(shares.and(alone(stage, method, &rays, splats, least, |splat| naive(splat, &rays))?).finding())
 }
 
-pub(super) fn wide(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn wide(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = before(5.0, 60.0);
-    let view = View::new(camera, SIZE, GaussianSettings::default(), &method);
+    let view = SplatView::new(camera, SIZE, GaussianSettings::default(), &method);
     let beside = |i: u32| Splat {
         position: DVec3::new([8.0, -7.0, 1.0, 0.0][i as usize], [0.5, 2.0, 6.0, -6.5][i as usize], 2.5),
         extents: Vec3::new(1.5, 1.2, 1.8),
@@ -160,17 +166,17 @@ pub(super) fn wide(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(alone(stage, method, &view, &splats, 300, naive)?.finding())
 }
 
-pub(super) fn parallel(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn parallel(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = Camera { projection: Projection::Orthographic { height: 4.0 }, ..before(5.0, 45.0) };
     let splats = some(6, Vec3::new(0.6, 0.3, 0.05), 1.5);
     let of_perspective = Formula { perspective: true, ..Formula::default() };
-    let views = KERNELS.map(|kernel| View::new(camera, SIZE, by(kernel), &method));
+    let views = KERNELS.map(|kernel| SplatView::new(camera, SIZE, by(kernel), &method));
     in_both(stage, method, views, &splats, 300, |splat, view| projected(splat, view, &of_perspective))
 }
 
-pub(super) fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn through_the_eye(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
-    let view = View::new(camera, SIZE, by(Kernel::Ray), &method);
+    let view = SplatView::new(camera, SIZE, by(Kernel::Ray), &method);
     let around = |splat: Splat| Splat { position: 0.5 * splat.position + DVec3::NEG_Z, ..splat };
     let splats: Vec<Splat> = some(8, Vec3::new(1.2, 0.7, 0.9), 1.0).into_iter().map(around).collect();
     // The projection that is linear around the center.

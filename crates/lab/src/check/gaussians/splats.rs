@@ -79,7 +79,7 @@ pub fn cloud(splats: &[Splat]) -> Points {
 
 /// View of splats.
 #[derive(Debug, Clone, Copy)]
-pub struct View {
+pub struct SplatView {
     /// The camera.
     pub camera: Camera,
     /// Columns and rows.
@@ -88,7 +88,7 @@ pub struct View {
     pub settings: GaussianSettings,
 }
 
-impl View {
+impl SplatView {
     /// The order is the method's, unless the settings have one.
     pub fn new(camera: Camera, size: [u32; 2], settings: GaussianSettings, method: &Method) -> Self {
         let order = settings.order.unwrap_or(method.order());

@@ -5,10 +5,10 @@
 
 use glam::DVec3;
 
-use super::super::Stage;
+use super::super::CaseRenderer;
 use super::super::discs::roundings;
 use super::super::stage::HALF_ULP;
-use super::splats::View;
+use super::splats::SplatView;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_reference::range::Range;
@@ -22,16 +22,16 @@ use super::alone::Shares;
 const COLOR: f64 = 16.0;
 
 /// A scene in float64.
-pub struct Scene<'a> {
-    pub view: View,
+pub struct Float64Scene<'a> {
+    pub view: SplatView,
     pub points: &'a Points,
     pub color: ColorSpace,
 }
 
-impl Scene<'_> {
+impl Float64Scene<'_> {
     /// Pixels of the scene's float64 reference.
     pub fn pixels(&self) -> Vec<[f64; 4]> {
-        let Self { view: View { camera, size, settings }, points, color } = self;
+        let Self { view: SplatView { camera, size, settings }, points, color } = self;
         let colors: Vec<DVec3> = shading::shade(points, camera, &Shading::NONE, *color);
         let discs = Discs { gaussians: *settings, ..Discs::default() };
         abuffer::render(camera, *size, points, &colors, &discs).rgba
@@ -40,7 +40,7 @@ impl Scene<'_> {
     /// The fragments that each pixel may have: what they are ordered by, their opacity, and whether they are there for
     /// sure.
     fn fragments(&self) -> Vec<Vec<(Range, Range, bool)>> {
-        let View { camera, size, settings } = &self.view;
+        let SplatView { camera, size, settings } = &self.view;
         let order = settings.order.unwrap_or(Order::Pixel);
         let mut lists = vec![Vec::new(); (size[0] * size[1]) as usize];
         for index in 0..self.points.len() {
@@ -77,7 +77,7 @@ impl Scene<'_> {
 
     /// Renders it and compares what is clear, of which there must be two thirds of the image; `naive` are the pixels of
     /// another formula.
-    pub fn compare(&self, stage: &mut Stage, method: Method, naive: &[[f64; 4]]) -> Result<Shares> {
+    pub fn compare(&self, stage: &mut CaseRenderer, method: Method, naive: &[[f64; 4]]) -> Result<Shares> {
         let frame = pellucid_engine::methods::Frame { color: self.color, ..self.view.frame(method) };
         let image = stage.render(self.points, &frame)?.image;
         let (wanted, bounds) = (self.pixels(), self.bounds(&method));

@@ -2,7 +2,7 @@
 
 use glam::{Mat2, Mat3, Vec2, Vec3};
 
-use crate::check::gaussians::splats::{Splat, View};
+use crate::check::gaussians::splats::{Splat, SplatView};
 use pellucid_core::camera::Projection;
 use pellucid_scene::Order;
 
@@ -46,7 +46,7 @@ struct Lens {
 }
 
 impl Lens {
-    fn new(view: &View) -> Self {
+    fn new(view: &SplatView) -> Self {
         let camera = &view.camera;
         Self {
             turn: Mat3::from_cols(camera.right.as_vec3(), camera.up.as_vec3(), camera.forward.as_vec3()).transpose(),
@@ -66,11 +66,11 @@ impl Lens {
     }
 }
 
-fn middle(view: &View) -> Vec2 {
+fn middle(view: &SplatView) -> Vec2 {
     0.5 * Vec2::new(view.size[0] as f32, view.size[1] as f32)
 }
 
-fn opacity_of(splat: &Splat, rho2: f32, view: &View, formula: &Formula) -> f32 {
+fn opacity_of(splat: &Splat, rho2: f32, view: &SplatView, formula: &Formula) -> f32 {
     let alpha = (splat.opacity * (-0.5 * rho2).exp()).min(view.settings.alpha_max);
     let ends = match formula.reach {
         Some(reach) => rho2 > reach * reach,
@@ -81,7 +81,7 @@ fn opacity_of(splat: &Splat, rho2: f32, view: &View, formula: &Formula) -> f32 {
 
 /// Evaluates the kernel `ewa`, with a determinant that is a difference of products. Depths are the center's, or not
 /// known.
-pub fn projected(splat: &Splat, view: &View, formula: &Formula) -> Vec<Seen> {
+pub fn projected(splat: &Splat, view: &SplatView, formula: &Formula) -> Vec<Seen> {
     let lens = Lens::new(view);
     let t = lens.center(splat);
     if t.z <= formula.nearest {
@@ -114,7 +114,7 @@ pub fn projected(splat: &Splat, view: &View, formula: &Formula) -> Vec<Seen> {
 
 /// Evaluates the kernel `ray`, with the inverse of the covariance: A = dᵀΣ⁻¹d, B = dᵀΣ⁻¹(μ − e), C = (μ − e)ᵀΣ⁻¹(μ −
 /// e), ρ² = C − B²/A at the depth B/A.
-pub fn along_rays(splat: &Splat, view: &View) -> Vec<Seen> {
+pub fn along_rays(splat: &Splat, view: &SplatView) -> Vec<Seen> {
     let lens = Lens::new(view);
     let t = lens.center(splat);
     let axes = lens.turn * splat.axes();

@@ -7,12 +7,12 @@ use glam::{DVec3, Vec3};
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::naive::{self, over};
 use crate::check::stage::{Dot, HALF_ULP, apart, bytes_apart, cloud, composed, dot, graded, mixed, pixels};
-use crate::check::{Finding, Stage};
+use crate::check::{CaseRenderer, Finding};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_reference::soft::{Behind, Model, Ray, Scene};
 use pellucid_scene::{Density, Method, SoftMethod};
 
-pub(super) fn inside_one(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn inside_one(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let (camera, size) = (wide(90.0, 0.01), [8, 6]);
     let dots = [Dot { position: DVec3::new(0.2, -0.1, -0.3), ..beside(0, 0.0, 0.0, 1.0) }];
     against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), naive::Soft::new(1.0))
@@ -29,14 +29,14 @@ fn around_the_origin() -> Vec<Dot> {
     (0..300).map(sphere).collect()
 }
 
-pub(super) fn inside_many(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn inside_many(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let (camera, size, dots) = (wide(60.0, 0.01), [4, 3], around_the_origin());
     let method = lambda(method, 0.01);
     let naive = naive::Soft { limits: [0.01, f32::INFINITY], most_open: 64, ..naive::Soft::new(0.01) };
     against_float64(stage, &dots, (camera, size), method, bound(300, 0.01, 1.5), naive)
 }
 
-pub(super) fn near_plane(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn near_plane(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 2.0)];
     let camera = Camera { near: 10.0, ..pixels([1, 1]) };
     let image = stage.image(&dots, camera, [1, 1], lambda(method, 0.25))?;
@@ -47,7 +47,7 @@ pub(super) fn near_plane(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::new(apart(&found, &[opacity(half), 10.0]), bound(1, 0.25, 2.0), naive))
 }
 
-pub(super) fn solid(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn solid(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     // A wall through the sphere's middle, before a wide view: 60 degrees off the axis a ray is twice as long.
     let (camera, size) = (wide(120.0, 0.01), [9, 9]);
     let sphere = Dot { position: DVec3::new(0.0, 0.0, -2.0), ..beside(0, 0.0, 0.0, 8.0) };
@@ -69,7 +69,7 @@ pub(super) fn solid(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::pixels(&image.rgba, &naive, &wanted, bound(1, 0.01, 8.0)))
 }
 
-pub(super) fn open_300(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn open_300(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots: Vec<Dot> = around_the_origin();
     let projection = Projection::Orthographic { height: 0.2 };
     let camera = Camera { projection, eye: DVec3::Z * 5.0, ..wide(90.0, 0.5) };
@@ -77,7 +77,7 @@ pub(super) fn open_300(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     against_float64(stage, &dots, (camera, [4, 3]), lambda(method, 0.01), bound(300, 0.01, 1.5), naive)
 }
 
-pub(super) fn coincident(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn coincident(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let one = beside(0, 0.7, 10.0, 2.0);
     let method = lambda(method, 0.002);
     let single = -(-truth(&[one], &pixels([1, 1]), [1, 1], method)[0][3]).ln_1p();
@@ -89,7 +89,7 @@ pub(super) fn coincident(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::apart(&found, &lost, &wanted, bound(300, 0.002, 2.0)))
 }
 
-pub(super) fn leftover(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn leftover(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     // A large red sphere that the ray grazes, and many small blue ones in its first half, all open at once.
     let red = Dot { color: Vec3::X, ..beside(0, 63.5, 100.0, 64.0) };
     let blue = |i: u32| {
@@ -105,7 +105,7 @@ pub(super) fn leftover(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     against_float64(stage, &dots, (pixels(size), size), method, bound, naive::Soft::new(0.04))
 }
 
-pub(super) fn reversed(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn reversed(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     // Multiples of the golden ratio, less their whole part: no two sums of them round alike.
     let part = |i: u32, k: f32| (i as f32 * k * 0.618_034).fract();
     let color = |i: u32| Vec3::new(part(i, 1.0), part(i, 3.0), part(i, 7.0));
@@ -124,7 +124,7 @@ pub(super) fn reversed(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::new(bytes_apart(&first, &second), 0.0, differ as f64))
 }
 
-pub(super) fn along_the_axis(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn along_the_axis(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     // Through the middle, so that the opacity is λ itself.
     let disc = |i: u32| Dot { field: 1.0, radius: 0.25, opacity: 0.02, ..dot(1.0 + f64::from(i), graded(i, 200), 1.0) };
     let dots: Vec<Dot> = (0..200).map(disc).collect();
@@ -138,7 +138,7 @@ pub(super) fn along_the_axis(stage: &mut Stage, method: SoftMethod) -> CaseResul
     Ok(Finding::apart(&found, &over(&shuffled), &wanted, 200.0 * 4.0 * HALF_ULP))
 }
 
-pub(super) fn faint_discs(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn faint_discs(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let disc = |i: u32| Dot { field: 1.0, radius: 0.25, ..dot(1.0 + f64::from(i), Vec3::ONE, 1e-6) };
     let dots: Vec<Dot> = (0..10_000).map(disc).collect();
     let wanted = composed(&dots);
@@ -147,7 +147,7 @@ pub(super) fn faint_discs(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::apart(&found, &over(&dots), &wanted, bound))
 }
 
-pub(super) fn one_layer(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn one_layer(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let soft = |color| Dot { field: 1.0, radius: 0.25, ..dot(2.0, color, 1.0) };
     let blue = Dot { radius: 0.25, ..dot(6.0, Vec3::Z, 1.0) };
     let image = stage.image(&[soft(Vec3::X), soft(Vec3::X), blue], pixels([1, 1]), [1, 1], method)?;

@@ -8,7 +8,7 @@ use std::f64::consts::E;
 use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, HALF_ULP, ULP, at, cloud, colors_of, perspective};
-use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
+use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, naive};
 use pellucid_core::camera::Camera;
 use pellucid_reference::soft::{Behind, Model, Scene};
 use pellucid_scene::{Density, Method, OneLayer, Shells, Soft, SoftMethod};
@@ -98,7 +98,7 @@ fn bound(spheres: usize, lambda: f64, radius: f64) -> f64 {
 
 /// An image against float64, and the naive one.
 fn against_float64(
-    stage: &mut Stage,
+    stage: &mut CaseRenderer,
     dots: &[Dot],
     (camera, size): (Camera, [u32; 2]),
     method: SoftMethod,

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::stage::{Dot, HALF_ULP, ULP, apart, pixels};
-use crate::check::{Finding, Stage, naive};
+use crate::check::{CaseRenderer, Finding, naive};
 use pellucid_core::camera::Camera;
 use pellucid_reference::soft::density::antiderivative;
 use pellucid_scene::{Density, Shells, Soft, SoftLayout, SoftMethod};
@@ -20,7 +20,7 @@ fn relative(found: f32, wanted: f64) -> f64 {
     apart(&[found], &[wanted]) / wanted
 }
 
-pub(super) fn faint(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn faint(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots = [Dot { color: Vec3::ONE, ..beside(0, 0.3, 10.0, 1.0) }];
     let method = lambda(method, 1e-6);
     let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
@@ -31,7 +31,7 @@ pub(super) fn faint(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::new(relative(found, wanted), bound, relative(1.0 - (-depth).exp(), wanted)))
 }
 
-pub(super) fn dense(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn dense(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let edges = [1e-2, 3e-3, 1e-3, 5e-4, 2e-4, 1e-4, 3e-5, 1e-5];
     let sphere = |(x, edge): (u32, &f64)| beside(x, 0.25 * (1.0 - edge), 1000.0, 0.25);
     let dots: Vec<Dot> = (0..).zip(&edges).map(sphere).collect();
@@ -41,7 +41,7 @@ pub(super) fn dense(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     against_float64(stage, &dots, (pixels(size), size), method, bound, naive::Soft::new(1e6))
 }
 
-pub(super) fn through_center(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn through_center(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let distances = [0.0, 1e-40, 1e-30, 1e-20, 1e-10, 1e-6, 1e-4, 1e-3];
     let dots: Vec<Dot> = (0..).zip(&distances).map(|(x, d)| beside(x, *d, 10.0, 0.25)).collect();
     let size = [8, 1];
@@ -49,7 +49,7 @@ pub(super) fn through_center(stage: &mut Stage, method: SoftMethod) -> CaseResul
     against_float64(stage, &dots, (pixels(size), size), lambda(method, 16.0), bound(1, 16.0, 0.25), naive)
 }
 
-pub(super) fn grazing(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn grazing(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.25 * (1.0 - 1e-4), 1000.0, 0.25)];
     let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
     let found = stage.pixel(&dots, method)?[3];
@@ -61,7 +61,7 @@ pub(super) fn grazing(stage: &mut Stage, method: SoftMethod) -> CaseResult {
 
 /// A sphere of radius 1, cut by near and a solid point behind it: its visible part, and the result of the naive
 /// formula.
-fn segment(stage: &mut Stage, method: SoftMethod, near: f64, center: f64) -> CaseResult {
+fn segment(stage: &mut CaseRenderer, method: SoftMethod, near: f64, center: f64) -> CaseResult {
     let length = 2f64.powi(-17);
     let sphere = Dot { color: Vec3::ONE, ..beside(0, 0.25, center, 1.0) };
     let wall = Dot { field: 0.0, color: Vec3::ZERO, ..beside(0, 0.0, near + length, 1.0) };
@@ -88,15 +88,15 @@ fn segment(stage: &mut Stage, method: SoftMethod, near: f64, center: f64) -> Cas
     Ok(Finding::new(relative(image.rgba[0][0], wanted), bound, relative(naive, wanted)))
 }
 
-pub(super) fn thin_segment(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn thin_segment(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     segment(stage, method, 8.0, 8.5)
 }
 
-pub(super) fn far_segment(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn far_segment(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     segment(stage, method, 65536.0, 65536.5)
 }
 
-pub(super) fn no_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn no_radius(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let radii = [0.0, 1e-45, 1e-20];
     let dots: Vec<Dot> = (0..).zip(radii).map(|(x, radius)| beside(x, 0.0, 10.0, radius)).collect();
     let image = stage.image(&dots, pixels([3, 1]), [3, 1], method)?;
@@ -113,7 +113,7 @@ pub(super) fn no_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::pixels(&image.rgba, &naive, &wanted, 4.0 * HALF_ULP))
 }
 
-pub(super) fn huge_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn huge_radius(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for radius in [1e3, 1e10, 1e20, f32::MAX] {
         let dots = [beside(0, 0.0, 10.0, radius)];
@@ -125,14 +125,14 @@ pub(super) fn huge_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::new(error, 4.0 * ULP, naive))
 }
 
-pub(super) fn far_away(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn far_away(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots = [Dot { position: DVec3::new(0.3, 0.1, -1000.0), ..beside(0, 0.0, 0.0, 1.0) }];
     let (camera, size) = (wide(0.25, 1.0), [12, 9]);
     // Directions of 1/1000 are as exact as any.
     against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), naive::Soft::new(1.0))
 }
 
-pub(super) fn quantized(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn quantized(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let sphere =
         |x: u32| Dot { color: Vec3::new(x as f32 / 31.3, 0.123, 0.777), ..beside(x, f64::from(x) / 140.0, 10.0, 0.25) };
     let dots: Vec<Dot> = (0..32).map(sphere).collect();
@@ -144,7 +144,7 @@ pub(super) fn quantized(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::pixels(&image.rgba, &naive, &in_float64(method), bound(1, 16.0, 0.25)))
 }
 
-pub(super) fn shells_add_up(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn shells_add_up(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 2.0)];
     let wanted = [opacity(0.25 * 2.0 * 2.0)];
     let mut error = 0f64;
@@ -160,7 +160,7 @@ pub(super) fn shells_add_up(stage: &mut Stage, method: SoftMethod) -> CaseResult
     Ok(Finding::new(error, bound(64, 0.25, 2.0) + lengths, naive))
 }
 
-pub(super) fn extremes(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn extremes(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 1.0)];
     let none = stage.pixel(&dots, method.changed(|soft| soft.density = Density::Softness(0.0)))?;
     let all = stage.pixel(&dots, method.changed(|soft| soft.density = Density::Softness(1.0)))?;
@@ -174,7 +174,7 @@ pub(super) fn extremes(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     Ok(Finding::new(error, 4.0 * ULP, apart(&opaque, &[0.25, 0.5, 1.0, 1.0])))
 }
 
-pub(super) fn modulated(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn modulated(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let (radius, distance, peak) = (1.0f64, 0.25, 0.5);
     let dots = [Dot { field: 0.75, color: Vec3::ONE, ..beside(0, distance, 10.0, 1.0) }];
     let change = |soft: &mut Soft| {

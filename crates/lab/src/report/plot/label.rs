@@ -13,20 +13,20 @@ const RING: i32 = 9;
 pub(super) type Rectangle = [i32; 4];
 
 /// A place in pixels.
-type Place = (i32, i32);
+type PixelPoint = (i32, i32);
 
 /// Labels further from their marker than this are tied to it by a line, and so are those as near to another one.
 const NEAR: i32 = 14;
 
 /// The position of a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Placed {
+pub(super) struct LabelPosition {
     /// The middle of the text's left end.
-    pub text: Place,
+    pub text: PixelPoint,
     /// The area the text covers.
     pub rectangle: Rectangle,
     /// The end of a line from the marker; `None` where the label is close enough to need no line.
-    pub tie: Option<Place>,
+    pub tie: Option<PixelPoint>,
 }
 
 /// A panel and what is drawn in it already.
@@ -34,8 +34,8 @@ pub(super) struct Placed {
 pub(super) struct Space {
     frame: Rectangle,
     taken: Vec<Rectangle>,
-    markers: Vec<Place>,
-    lines: Vec<[Place; 2]>,
+    markers: Vec<PixelPoint>,
+    lines: Vec<[PixelPoint; 2]>,
 }
 
 impl Space {
@@ -50,23 +50,23 @@ impl Space {
     }
 
     /// Keeps labels off this marker.
-    pub(super) fn take_marker(&mut self, (x, y): Place) {
+    pub(super) fn take_marker(&mut self, (x, y): PixelPoint) {
         self.markers.push((x, y));
         self.take([x - MARKER, y - MARKER, x + MARKER, y + MARKER]);
     }
 
     /// Keeps labels off this ring around a marker.
-    pub(super) fn take_ring(&mut self, (x, y): Place) {
+    pub(super) fn take_ring(&mut self, (x, y): PixelPoint) {
         self.take([x - RING, y - RING, x + RING, y + RING]);
     }
 
     /// Makes labels prefer places off this line.
-    pub(super) fn avoid(&mut self, line: [Place; 2]) {
+    pub(super) fn avoid(&mut self, line: [PixelPoint; 2]) {
         self.lines.push(line);
     }
 
     /// Finds a place for the label of a marker and reserves it. `None` if no place is free.
-    pub(super) fn place(&mut self, (x, y): Place, text: &str) -> Option<Placed> {
+    pub(super) fn place(&mut self, (x, y): PixelPoint, text: &str) -> Option<LabelPosition> {
         let width = CHARACTER * text.chars().count() as i32;
         let candidates = [8, 12, 18, 26, 36].into_iter().flat_map(|away| {
             let side = away * 3 / 4;
@@ -89,14 +89,14 @@ impl Space {
             let crossed = self.lines.iter().filter(|line| crosses(rectangle, line)).count();
             // Another marker at the same distance would be ambiguous.
             let own = distance(rectangle, (x, y));
-            let is_rival = |marker: &&Place| **marker != (x, y) && distance(rectangle, **marker) <= own + NEAR / 4;
+            let is_rival = |marker: &&PixelPoint| **marker != (x, y) && distance(rectangle, **marker) <= own + NEAR / 4;
             let rivals = self.markers.iter().filter(is_rival).count();
             self.is_free(rectangle).then_some((order + 12 * (crossed + rivals), place, rectangle, rivals))
         });
         let (_, place, rectangle, rivals) = free.min_by_key(|(cost, ..)| *cost)?;
         self.take(rectangle);
         let is_tied = rivals > 0 || distance(rectangle, (x, y)) > NEAR;
-        Some(Placed { text: place, rectangle, tie: is_tied.then_some(nearest(rectangle, (x, y))) })
+        Some(LabelPosition { text: place, rectangle, tie: is_tied.then_some(nearest(rectangle, (x, y))) })
     }
 
     fn is_free(&self, [left, top, right, bottom]: Rectangle) -> bool {
@@ -108,18 +108,18 @@ impl Space {
 }
 
 /// The place of a rectangle that is nearest to another one.
-fn nearest([left, top, right, bottom]: Rectangle, (x, y): Place) -> Place {
+fn nearest([left, top, right, bottom]: Rectangle, (x, y): PixelPoint) -> PixelPoint {
     (x.clamp(left, right), y.clamp(top, bottom))
 }
 
 /// The distance of a place from a rectangle, along the axis where it is larger.
-fn distance(rectangle: Rectangle, (x, y): Place) -> i32 {
+fn distance(rectangle: Rectangle, (x, y): PixelPoint) -> i32 {
     let (nx, ny) = nearest(rectangle, (x, y));
     (nx - x).abs().max((ny - y).abs())
 }
 
 /// True if a line enters a rectangle, to 3 pixels.
-fn crosses([left, top, right, bottom]: Rectangle, [from, to]: &[Place; 2]) -> bool {
+fn crosses([left, top, right, bottom]: Rectangle, [from, to]: &[PixelPoint; 2]) -> bool {
     let (dx, dy) = (i64::from(to.0) - i64::from(from.0), i64::from(to.1) - i64::from(from.1));
     let steps = dx.abs().max(dy.abs()) / 3 + 1;
     (0..=steps).any(|step| {

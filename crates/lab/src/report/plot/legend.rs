@@ -10,13 +10,13 @@ const LEGEND_LINE: u32 = 22;
 
 impl Figure {
     /// The legend's entries and their places, line by line.
-    pub(super) fn legend(&self, width: i32) -> Vec<(Entry<'_>, (i32, i32))> {
-        let names = self.names.iter().enumerate().map(|(index, name)| Entry { name, sign: Sign::Series(index) });
-        let guide = self.guide.iter().map(|guide| Entry { name: guide.name, sign: Sign::Guide });
+    pub(super) fn legend(&self, width: i32) -> Vec<(LegendLine<'_>, (i32, i32))> {
+        let names = self.names.iter().enumerate().map(|(index, name)| LegendLine { name, sign: Sign::Series(index) });
+        let guide = self.guide.iter().map(|guide| LegendLine { name: guide.name, sign: Sign::Guide });
         let has_front = self.panels.iter().any(|panel| !panel.front.is_empty());
-        let front = has_front.then_some(Entry { name: self.front, sign: Sign::Front });
+        let front = has_front.then_some(LegendLine { name: self.front, sign: Sign::Front });
         let (mut x, mut y) = (24, LEGEND as i32 / 2);
-        let place = |entry: Entry<'_>| {
+        let place = |entry: LegendLine<'_>| {
             let needed = 66 + 8 * entry.name.chars().count() as i32;
             if x > 24 && x + needed > width {
                 (x, y) = (24, y + LEGEND_LINE as i32);
@@ -33,7 +33,7 @@ impl Figure {
 
 /// A line of a legend.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entry<'a> {
+pub(super) struct LegendLine<'a> {
     pub(super) name: &'a str,
     sign: Sign,
 }
@@ -45,7 +45,7 @@ enum Sign {
     Front,
 }
 
-impl Entry<'_> {
+impl LegendLine<'_> {
     pub(super) fn draw(&self, root: &Area<'_>, (x, y): (i32, i32)) -> Drawn {
         let line = [(x, y), (x + 30, y)];
         match self.sign {

@@ -16,7 +16,7 @@ pub use self::parts::{Axis, Guide, Panel, Point, Series, Steps};
 
 use self::label::Space;
 use self::legend::LEGEND;
-use self::scale::Scale;
+use self::scale::AxisScale;
 
 /// Panels in rows of `columns`, under one legend.
 #[derive(Debug, Clone, PartialEq)]
@@ -171,10 +171,10 @@ impl Figure {
     }
 
     /// Returns the scales of both axes, over the points of all panels.
-    fn scales(&self) -> (Scale, Scale) {
+    fn scales(&self) -> (AxisScale, AxisScale) {
         let points = || self.panels.iter().flat_map(|p| &p.series).flat_map(|s| &s.points).filter(|p| p.is_finite());
-        let x = Scale::new(self.x, points().flat_map(|p| [p.x, p.range_x[0], p.range_x[1]]));
-        let mut y = Scale::new(self.y, points().flat_map(|p| [p.y, p.range_y[0], p.range_y[1]]));
+        let x = AxisScale::new(self.x, points().flat_map(|p| [p.x, p.range_x[0], p.range_x[1]]));
+        let mut y = AxisScale::new(self.y, points().flat_map(|p| [p.y, p.range_y[0], p.range_y[1]]));
         // Room above the data for the box of notes: a line of it is 17 pixels, and about 80 are caption and axis.
         let lines = self.panels.iter().map(|panel| notes(panel).count()).max().unwrap_or(0) as f64;
         let line = 17.0 / f64::from(self.panel[1].saturating_sub(80).max(17));
@@ -220,7 +220,7 @@ fn steps(front: &[(i32, i32)], right: i32, top: i32) -> Vec<(i32, i32)> {
 }
 
 /// A line of a given slope, in logarithms, that ends below the last point of the panel's first series.
-fn guide_line(exponent: f64, panel: &Panel, x: &Scale, y: &Scale) -> Option<[(f64, f64); 2]> {
+fn guide_line(exponent: f64, panel: &Panel, x: &AxisScale, y: &AxisScale) -> Option<[(f64, f64); 2]> {
     // Distance below the data, a factor of 1.6.
     const BELOW: f64 = 0.2;
     let last = panel.series.first()?.points.iter().rev().find(|point| point.is_finite())?;
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn the_guide_has_its_slope() {
-        let (x, y) = (Scale::new(TWO, [1.0, 1024.0].into_iter()), Scale::new(TEN, [0.1, 1000.0].into_iter()));
+        let (x, y) = (AxisScale::new(TWO, [1.0, 1024.0].into_iter()), AxisScale::new(TEN, [0.1, 1000.0].into_iter()));
         for (exponent, last) in [(1.0, 1000.0), (-0.5, 1.0), (-0.5, 300.0)] {
             let point = Point::new(1024.0, last);
             let panel = guided("", Some(Series::new(0, [point])));

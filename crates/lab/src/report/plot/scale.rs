@@ -8,7 +8,7 @@ use super::{Axis, Steps};
 
 /// An axis over some values. Its units are powers of the base; without one they are the values.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Scale {
+pub(super) struct AxisScale {
     pub(super) base: f64,
     is_even: bool,
     floor: f64,
@@ -21,7 +21,7 @@ pub(super) struct Scale {
     is_floored: bool,
 }
 
-impl Scale {
+impl AxisScale {
     /// Returns a scale from the round number (a power of the base; for base 10 also twice and five times one) below all
     /// values to the one above, and over one power at least.
     pub(super) fn new(axis: Axis, values: impl Iterator<Item = f64>) -> Self {
@@ -106,7 +106,7 @@ impl Scale {
     }
 }
 
-impl Ranged for Scale {
+impl Ranged for AxisScale {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
@@ -124,7 +124,7 @@ impl Ranged for Scale {
     }
 }
 
-impl ValueFormatter<f64> for Scale {
+impl ValueFormatter<f64> for AxisScale {
     fn format_ext(&self, value: &f64) -> String {
         self.label(*value)
     }
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     fn labels(axis: Axis, values: &[f64]) -> Vec<String> {
-        let scale = Scale::new(axis, values.iter().copied());
+        let scale = AxisScale::new(axis, values.iter().copied());
         scale.ticks.iter().map(|tick| scale.label(*tick)).collect()
     }
 

@@ -8,7 +8,7 @@ use pellucid_io::output;
 use serde::Serialize;
 
 use super::{Curve, FrameError, Popping};
-use crate::report::page::{Table, count};
+use crate::report::page::{ReportTable, count};
 use crate::report::plot::{Axis, Figure, Panel, Point, Series};
 use crate::report::records::{self, record};
 
@@ -43,8 +43,8 @@ pub fn write(path: &Path, popping: &Popping) -> Result<(), output::Error> {
 }
 
 /// A line for each method; `last` is the head of the last column.
-fn table<'a>(popping: &'a Popping, error: impl Fn(f64) -> String + Copy, last: &str) -> Table<'a, Curve> {
-    Table::new(&popping.curves)
+fn table<'a>(popping: &'a Popping, error: impl Fn(f64) -> String + Copy, last: &str) -> ReportTable<'a, Curve> {
+    ReportTable::new(&popping.curves)
         .text("method", Curve::name)
         .number("mean RMSE", error, |curve| curve.mean_rmse)
         .number("worst RMSE", error, |curve| curve.worst_rmse)

@@ -38,14 +38,14 @@ const COLUMNS: &str = "
 
 /// A measured cell with what follows from it.
 #[derive(Serialize)]
-struct Measured<'a> {
+struct MeasuredCell<'a> {
     #[serde(flatten)]
     cell: &'a Cell,
     mfragments_per_s: f64,
     bytes_per_fragment: f64,
 }
 
-impl<'a> Measured<'a> {
+impl<'a> MeasuredCell<'a> {
     fn new(cell: &'a Cell) -> Self {
         Self { cell, mfragments_per_s: cell.mfragments_per_s(), bytes_per_fragment: cell.bytes_per_fragment() }
     }
@@ -90,14 +90,14 @@ impl Report<'_> {
                 "seed": settings.seed,
                 "memory_budget": settings.memory_budget,
             },
-            "cells": sweep.cells.iter().map(Measured::new).collect::<Vec<_>>(),
+            "cells": sweep.cells.iter().map(MeasuredCell::new).collect::<Vec<_>>(),
             "slopes": sweep.slopes(),
             "skipped": sweep.skipped,
         })
     }
 
     fn csv(&self, file: impl Write) -> io::Result<()> {
-        let measured = self.sweep.cells.iter().map(|cell| record(&Measured::new(cell)));
+        let measured = self.sweep.cells.iter().map(|cell| record(&MeasuredCell::new(cell)));
         let left = self.sweep.skipped.iter().map(|skipped| record(&Left::new(skipped)));
         records::csv(file, COLUMNS, measured.chain(left))
     }

@@ -134,7 +134,7 @@ pub struct Cell {
     /// Error against the reference in float64.
     pub error: Deviation,
     /// Each pass in the order of its first run.
-    pub passes: Vec<Pass>,
+    pub passes: Vec<PassSpread>,
 }
 
 impl Cell {
@@ -182,7 +182,7 @@ pub struct Deviation {
 
 /// A pass with its time, summed over all batches of fragments.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Pass {
+pub struct PassSpread {
     /// Name as in `plan`.
     pub name: &'static str,
     /// Device time.

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::files::Report;
 use super::{Cell, Slope, Workload};
-use crate::report::page::{Drawn, Table, count, digits, facts, grouped, mib, page, passes as table_of};
+use crate::report::page::{Drawn, ReportTable, count, digits, facts, grouped, mib, page, passes as table_of};
 
 /// The whole page.
 pub(super) fn html(report: &Report<'_>, figures: &[Drawn]) -> String {
@@ -52,8 +52,8 @@ fn about(report: &Report<'_>) -> Markup {
 }
 
 /// A table of cells, with the columns that all have.
-fn about_cells<'a>(cells: impl IntoIterator<Item = &'a Cell>) -> Table<'a, Cell> {
-    Table::new(cells)
+fn about_cells<'a>(cells: impl IntoIterator<Item = &'a Cell>) -> ReportTable<'a, Cell> {
+    ReportTable::new(cells)
         .text("scene", |cell| cell.workload.name())
         .number("pixels", |side| size(side as u32), |cell| f64::from(cell.side))
         .text("method", |cell| cell.method)
@@ -131,7 +131,7 @@ fn cells(report: &Report<'_>) -> Markup {
 }
 
 fn skipped(report: &Report<'_>) -> Markup {
-    let table = Table::new(&report.sweep.skipped)
+    let table = ReportTable::new(&report.sweep.skipped)
         .text("scene", |skipped| skipped.workload.name())
         .number("pixels", |side| size(side as u32), |skipped| f64::from(skipped.side))
         .text("method", |skipped| skipped.method)

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use pellucid_core::progress::Progress;
 
-use super::{Cell, Pass, Settings, Skipped, Spread, Sweep, Workload};
+use super::{Cell, PassSpread, Settings, Skipped, Spread, Sweep, Workload};
 use crate::report::truth::Truth;
 use crate::report::unique;
 use pellucid_core::camera::Camera;
@@ -28,7 +28,7 @@ pub fn run(device: &Device, settings: &Settings, progress: &Progress) -> Result<
         for &side in &settings.sides {
             for &layers in &settings.layers {
                 progress.set_message(format!("{}, {side} × {side} pixels, {layers} layers", workload.name()));
-                Place { workload, side, layers }.measure(device, settings, &mut sweep)?;
+                SweepPosition { workload, side, layers }.measure(device, settings, &mut sweep)?;
                 progress.inc(1);
             }
         }
@@ -38,13 +38,13 @@ pub fn run(device: &Device, settings: &Settings, progress: &Progress) -> Result<
 
 /// A position in the sweep.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct SweepPosition {
     workload: Workload,
     side: u32,
     layers: u32,
 }
 
-impl Place {
+impl SweepPosition {
     fn pixels(self) -> u64 {
         u64::from(self.side) * u64::from(self.side)
     }
@@ -84,7 +84,7 @@ impl Place {
         let mut runs = Vec::new();
         for method in methods {
             match Renderer::new(device).and_then(|mut renderer| renderer.render(&mut cloud, &frame(method))) {
-                Ok(first) => runs.push(Run { method, first, frames: Vec::new() }),
+                Ok(first) => runs.push(CellRun { method, first, frames: Vec::new() }),
                 Err(error) => sweep.skipped.push(self.skipped(method, refusal(error)?)),
             }
             device.check_validation()?;
@@ -146,7 +146,7 @@ impl Place {
         Ok((points, camera))
     }
 
-    fn cell(self, points: usize, run: Run, truth: &Truth) -> Cell {
+    fn cell(self, points: usize, run: CellRun, truth: &Truth) -> Cell {
         let Self { workload, side, layers } = self;
         let facts = &run.first.facts;
         let ms = |time: fn(&FrameProfile) -> Duration| {
@@ -173,7 +173,7 @@ impl Place {
 }
 
 /// A method in a cell.
-struct Run {
+struct CellRun {
     method: Method,
     /// Rendered with fresh buffers.
     first: Rendered,
@@ -194,11 +194,11 @@ pub(in crate::report) fn predict(times: &[(f64, f64)], layers: f64) -> Option<f6
     Some(seconds * (layers / last).powf(exponent.max(1.0)))
 }
 
-fn passes(frames: &[FrameProfile]) -> Vec<Pass> {
+fn passes(frames: &[FrameProfile]) -> Vec<PassSpread> {
     let names = unique(frames.iter().flat_map(|frame| &frame.passes).map(|pass| pass.name));
     let times = |name| frames.iter().flat_map(|f| &f.passes).filter(move |p| p.name == name);
     let ms = |name| Spread::from_values(times(name).map(|pass| pass.gpu.as_secs_f64() * 1e3).collect());
-    names.into_iter().map(|name| Pass { name, gpu_ms: ms(name) }).collect()
+    names.into_iter().map(|name| PassSpread { name, gpu_ms: ms(name) }).collect()
 }
 
 #[cfg(test)]

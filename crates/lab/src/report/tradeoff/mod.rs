@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use causes::{Cause, causes_table};
 pub use files::write;
 pub use looks::{Look, Worst};
-pub use measure::{ALONE_SHARE, FRAME_SHARE, Options, Subject, method_by_method, run};
+pub use measure::{ALONE_SHARE, FRAME_SHARE, MeasuredScene, Options, method_by_method, run};
 pub use partial::discard;
 
 use super::fit::PowerLaw;

@@ -24,7 +24,7 @@ pub(super) struct Timed {
 
 /// Results of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Measured {
+pub(super) struct SettingResults {
     /// Results of the first frames: all but times and the front.
     pub row: Row,
     /// Host time of a frame whose buffers and shaders were ready.
@@ -45,7 +45,7 @@ pub(super) struct Content {
     #[serde(default)]
     pub causes: Vec<Cause>,
     /// Keyed by [`pellucid_session::candidates::Setting::key`].
-    pub settings: BTreeMap<String, Measured>,
+    pub settings: BTreeMap<String, SettingResults>,
 }
 
 /// The file and what it holds.
@@ -103,7 +103,7 @@ mod tests {
     fn only_what_belongs_to_the_same_scene_is_found_again() {
         let folder = tempfile::tempdir().unwrap();
         let mut partial = Partial::open(folder.path(), "a".to_owned());
-        let measured = |picture: &str| Measured {
+        let measured = |picture: &str| SettingResults {
             row: Row { picture: picture.to_owned(), difference: picture.to_owned(), ..Row::default() },
             seconds: 0.25,
             frames: Vec::new(),

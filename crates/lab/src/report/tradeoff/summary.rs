@@ -1,7 +1,7 @@
 //! Rows from frames: medians, the Pareto front, slopes.
 
 use super::figures::short;
-use super::partial::Measured;
+use super::partial::SettingResults;
 use super::{Convergence, Row};
 use crate::report::fit::power_law;
 use crate::report::stress::Spread;
@@ -10,7 +10,7 @@ use pellucid_engine::profile::median;
 use pellucid_session::candidates::Setting;
 
 /// A row without its place on the front.
-pub(super) fn row(Measured { row, frames, .. }: &Measured) -> Row {
+pub(super) fn row(SettingResults { row, frames, .. }: &SettingResults) -> Row {
     let passes = || frames.iter().flat_map(|frame| &frame.passes);
     let time = |name: &str| median(passes().filter(|pass| pass.0 == name).map(|pass| pass.1).collect());
     let names = unique(passes().map(|pass| &pass.0));
@@ -84,10 +84,10 @@ mod tests {
     use pellucid_scene::Discs;
     use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};
 
-    fn measured(times: &[f64], rmse: f64) -> Measured {
+    fn measured(times: &[f64], rmse: f64) -> SettingResults {
         let row = Row { errors: Errors { rmse, ..Errors::default() }, ..Row::default() };
         let frame = |ms: &f64| Timed { sitting: 1, gpu_ms: *ms, wall_ms: 2.0 * ms, passes: vec![("a/b".into(), *ms)] };
-        Measured { row, seconds: 0.0, frames: times.iter().map(frame).collect() }
+        SettingResults { row, seconds: 0.0, frames: times.iter().map(frame).collect() }
     }
 
     fn all() -> Vec<Setting> {

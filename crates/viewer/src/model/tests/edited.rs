@@ -1,7 +1,7 @@
 //! Edits of the scene by the panel.
 
 use super::*;
-use crate::controls::{self, Extent};
+use crate::controls::{self, ControlExtent};
 use crate::statistics::{FieldFacts, Statistics};
 use pellucid_engine::passes::project::Parts;
 use pellucid_scene::{DiscShape, METHODS, Shells, method_keys};
@@ -96,7 +96,7 @@ fn statistics_of_clouds_and_points_come_with_the_news() {
     // The wall's box is a cube of 6.
     let diagonal = 6.0 * 3f64.sqrt();
     assert!((model.extent().diagonal - diagonal).abs() < 1e-9 && model.extent().median_radius == 0.0);
-    assert_eq!(self::model().extent(), Extent::default());
+    assert_eq!(self::model().extent(), ControlExtent::default());
     assert!(model.statistics().is_empty());
     model.take_in(News::Clouds([Statistics { points: 7, ..Statistics::default() }].into())).unwrap();
     assert_eq!(model.statistics()[0].points, 7);

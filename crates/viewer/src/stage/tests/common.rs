@@ -78,7 +78,7 @@ pub fn assert_same(live: &TakenPicture, fresh: &TakenPicture, what: &str) {
 
 /// Compares what two stages have on the device after a picture.
 #[track_caller]
-pub fn assert_same_clouds(live: &mut Stage, fresh: &mut Stage, what: &str) {
+pub fn assert_same_clouds(live: &mut SceneRenderer, fresh: &mut SceneRenderer, what: &str) {
     let [live, fresh] = [live, fresh].map(|stage| &mut stage.placed.as_mut().unwrap().session.uploaded.cloud);
     let how = Projecting {
         footprint: Footprint::Disc,

@@ -8,7 +8,7 @@ use pellucid_scene::{procedural, take_generated};
 const SIZE: [u32; 2] = [243, 182];
 
 /// A small garden in the method's picture.
-fn garden(device: &Device) -> (Stage, Document) {
+fn garden(device: &Device) -> (SceneRenderer, Document) {
     let made = procedural::build("garden", &[("points".into(), 20_000.0)], 3).unwrap();
     let mut document = Document::from_toml(&made.scene_toml, Path::new("garden"), &Overrides::default());
     let document = document.as_mut().unwrap();
@@ -20,7 +20,7 @@ fn garden(device: &Device) -> (Stage, Document) {
 }
 
 /// The pixels of a picture, of the last one if its colors are on the device.
-fn composed(stage: &Stage, taken: &TakenPicture, scene: &Scene) -> Vec<[f32; 3]> {
+fn composed(stage: &SceneRenderer, taken: &TakenPicture, scene: &Scene) -> Vec<[f32; 3]> {
     let image = &taken.rendered.image;
     let rgba = match image.has_colors() {
         true => image.rgba.clone(),
@@ -52,7 +52,7 @@ fn apart(a: &[[f32; 3]], b: &[[f32; 3]], [dx, dy]: [i64; 2]) -> f64 {
 }
 
 /// A draft with a share of the work, independent of the machine's frame time.
-fn draft(stage: &mut Stage, scene: &Scene, work: f64) -> TakenPicture {
+fn draft(stage: &mut SceneRenderer, scene: &Scene, work: f64) -> TakenPicture {
     let name = scene.method.name();
     stage.costs = Some((name, None, Costs::new(Cost { ms: 1000.0, work: 1.0 })));
     stage.take(scene, Pose::Scene, Effort::Moving(1000.0 * work)).unwrap()

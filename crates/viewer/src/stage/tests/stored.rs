@@ -31,7 +31,7 @@ fn landscape() -> Cloud {
 struct Case {
     _folder: tempfile::TempDir,
     document: Document,
-    stage: Stage,
+    stage: SceneRenderer,
     clouds: Vec<Cloud>,
 }
 
@@ -64,7 +64,7 @@ impl Case {
         let open = |memory| Opened::open(named(), &scene, memory, &Silent, &hidden).unwrap();
         let Opened { sources, document, .. } = open(LITTLE.host_memory);
         assert!(matches!(sources.clouds(), Clouds::Stored(_)));
-        let stage = Stage::new(device, sources, &LITTLE).unwrap();
+        let stage = SceneRenderer::new(device, sources, &LITTLE).unwrap();
         let Clouds::Held(clouds) = open(u64::MAX).sources.into_clouds() else { panic!("there is memory enough") };
         let clouds = clouds.into_iter().map(Arc::unwrap_or_clone).collect();
         Self { _folder: folder, document, stage, clouds }
@@ -101,7 +101,11 @@ fn whole_pictures_have_the_bytes_of_those_in_memory() {
             let expected = held.take(&scene, Pose::Scene, Effort::Whole).unwrap();
             assert_eq!(taken.frame.method, expected.frame.method, "{key}");
             assert!(taken.is_whole() && pixels(&taken) == pixels(&expected), "{key}");
-            assert_eq!(taken.held, Some(Held { points: COUNT as u64, all: COUNT as u64, is_fine: true }), "{key}");
+            assert_eq!(
+                taken.held,
+                Some(CloudShare { points: COUNT as u64, all: COUNT as u64, is_fine: true }),
+                "{key}"
+            );
             assert_eq!(expected.held, None);
             let legend = (case.stage.legend(&scene).unwrap(), held.legend(&scene).unwrap());
             assert_eq!(legend.0, legend.1, "{key}");

@@ -12,8 +12,8 @@ use pellucid_scene::supply::HeldPoints;
 
 use super::super::cut::is_empty;
 use super::super::ranks::Ranks;
-use super::super::stage::Stage;
-use super::super::turn::{Turn, Whole};
+use super::super::stage::RankScene;
+use super::super::turn::{GatheredFrame, Turn};
 use super::super::work::ms;
 use super::exchange::exchanged;
 use super::orders::{self, Order};
@@ -31,7 +31,7 @@ pub struct Own<'a> {
 
 /// Orders the others to render the stage's frame; the regions of all, round by round. `None` where points are not
 /// distributed.
-pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Option<Vec<Vec<Window>>> {
+pub fn order(stage: &mut RankScene, ranks: &Ranks, listed: bool) -> Option<Vec<Vec<Window>>> {
     let all = ranks.led()?;
     let (frame, timed) = (stage.session.frame, stage.session.renderer.timed);
     let room = stage.session.renderer.room(&stage.session.uploaded.cloud, &frame);
@@ -45,8 +45,8 @@ pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Option<Vec<Vec<W
 ///
 /// # Errors
 /// Errors of rendering.
-pub fn lead(stage: &mut Stage, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Whole> {
-    let Stage { session, spread, .. } = stage;
+pub fn lead(stage: &mut RankScene, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<GatheredFrame> {
+    let RankScene { session, spread, .. } = stage;
     let Some(spread) = spread else { return Ok(None) };
     let mut own = Own {
         renderer: &mut session.renderer,

@@ -13,7 +13,7 @@ use pellucid_engine::passes::project::{DeviceCloud, Parts};
 
 use super::super::ranks::{Ranks, decoded, encoded};
 use super::super::turn::Turn;
-use super::super::work::Work;
+use super::super::work::RankWork;
 use super::frame::Own;
 use super::orders::Order;
 use super::supplied_from_nowhere;
@@ -82,7 +82,7 @@ impl Worker {
         let before = ranks.traffic();
         ranks.meet();
         ranks.begin("rendering");
-        let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
+        let mut turn = Turn { begin: Instant::now(), work: RankWork::of(ranks), listed, ranks };
         let Self { renderer, cloud, sample } = self;
         renderer.timed = timed;
         let rendered = Own { renderer, cloud, frame, portion, sample }.rounds(&mut turn, rounds)?;

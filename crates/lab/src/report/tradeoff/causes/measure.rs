@@ -83,7 +83,7 @@ fn skip(change: &Change, reason: String, for_time: bool) -> Skipped {
 }
 
 /// The figures of a change and the picture that shows where it matters.
-struct Found {
+struct MeasuredCause {
     figures: Cause,
     difference: Vec<[f32; 3]>,
 }
@@ -94,7 +94,7 @@ struct Studio<'a> {
 }
 
 impl Studio<'_> {
-    fn cause(&mut self, clouds: &mut Clouds<'_>, change: &Change) -> Result<Found, methods::Error> {
+    fn cause(&mut self, clouds: &mut Clouds<'_>, change: &Change) -> Result<MeasuredCause, methods::Error> {
         let (image, gpu_ms) = match change.degree {
             Some(degree) => self.of_degree(clouds, change.settings, degree)?,
             None => self.changed(clouds, self.method(change))?,
@@ -105,7 +105,7 @@ impl Studio<'_> {
         };
         let base = base.as_ref().unwrap_or(self.effort.reference);
         let difference = difference_picture(&base.pixels, &image.pixels, DIFFERENCE_GAIN);
-        Ok(Found { figures: compared(change, base, &image, gpu_ms), difference })
+        Ok(MeasuredCause { figures: compared(change, base, &image, gpu_ms), difference })
     }
 
     /// The image by another method or settings, and its device time in ms.

@@ -3,13 +3,13 @@
 use maud::{Markup, html};
 
 use super::Cause;
-use crate::report::page::{Table, digits};
+use crate::report::page::{ReportTable, digits};
 use crate::report::tradeoff::figures::short;
 use crate::report::tradeoff::page::{error, percent};
 
 /// The section of the page; nothing without causes.
 pub(in super::super) fn page(causes: &[Cause]) -> Markup {
-    let table = Table::new(causes)
+    let table = ReportTable::new(causes)
         .text("cause", |cause| &cause.cause)
         .text("setting", changed)
         .number("RMSE", error, |cause| cause.rmse)
@@ -39,7 +39,7 @@ pub fn causes_table(causes: &[Cause]) -> String {
         return String::new();
     }
     let error = |value: f64| format!("{value:.2e}");
-    let table = Table::new(causes)
+    let table = ReportTable::new(causes)
         .text("cause", |cause| &cause.cause)
         .text("changed", changed)
         .number("RMSE", error, |cause| cause.rmse)

@@ -9,7 +9,7 @@ use super::super::pictures::{cropped, read, uri};
 use super::super::{DIFFERENCE_GAIN, Tradeoff};
 use super::text::sentences;
 use super::{Look, Worst, shown};
-use crate::report::page::{Table, digits};
+use crate::report::page::{ReportTable, digits};
 use crate::report::tradeoff::page::{error, percent};
 
 /// Pixels of the page across one of a crop.
@@ -38,7 +38,7 @@ impl Crops {
 pub(in super::super) fn section(report: &Tradeoff, crops: &Crops) -> Markup {
     let shown = shown(report);
     let share = |share: f64| if share < 0.0 { format!("−{}", percent(-share)) } else { percent(share) };
-    let table = Table::new(&shown)
+    let table = ReportTable::new(&shown)
         .text("method", |(_, row, _)| row.name())
         .number("bias", signed, |(.., look)| look.bias)
         .number("even %", share, |(.., look)| look.even)

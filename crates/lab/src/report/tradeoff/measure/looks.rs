@@ -5,12 +5,12 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_scene::{Hybrid, Method};
 
-use super::Run;
+use super::TradeoffRun;
 use crate::report::tradeoff::Look;
 use crate::report::tradeoff::looks::{Exact, look};
 use pellucid_session::candidates::{Formation, Setting};
 
-impl Run<'_> {
+impl TradeoffRun<'_> {
     /// Returns the parts of the error of a setting's image; `None` for exact ones and for opaque points.
     pub(super) fn look(&mut self, setting: &Setting, image: &LinearImage) -> Result<Option<Look>> {
         if setting.is_exact(&self.occasion) || self.made.covered.is_empty() {

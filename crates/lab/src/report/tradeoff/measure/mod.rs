@@ -23,7 +23,7 @@ use pellucid_scene::{Detail, Method};
 pub use self::limit::method_by_method;
 
 use self::limit::Spent;
-use self::reference::Made;
+use self::reference::ReferenceImage;
 use super::analytic::{self, Planes};
 use super::causes::{self, Effort as CausesEffort};
 use super::partial::Partial;
@@ -36,7 +36,7 @@ use pellucid_session::candidates::{Formation, Ladders, Occasion, Setting, compar
 
 /// The scene to measure.
 #[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
+pub struct MeasuredScene<'a> {
     /// The scene's points.
     pub arranged: &'a Arranged,
     /// The frame. Its method defines the image formation that is compared; blending never stops early.
@@ -88,7 +88,7 @@ const CAUSES_SHARE: f64 = 0.2;
 /// lost device, a message of the validation layers. Failures of a single setting only skip it.
 pub fn run(
     device: &Device,
-    subject: &Subject<'_>,
+    subject: &MeasuredScene<'_>,
     options: &Options,
     folder: &Path,
     progress: &Progress,
@@ -108,8 +108,8 @@ pub fn run(
     let thinning = if matches!(formation, Formation::Surfaces(_)) { options.ladders.thinning } else { &[1] };
     let mut clouds = Clouds::new(subject.arranged, thinning, frame.seed);
     progress.set_message("the reference");
-    let made = Made::new(device, subject, &formation, &frame, &mut clouds)?;
-    let Made { reference, silhouette, facts, .. } = &made;
+    let made = ReferenceImage::new(device, subject, &formation, &frame, &mut clouds)?;
+    let ReferenceImage { reference, silhouette, facts, .. } = &made;
     let occasion = Occasion::new(subject.arranged.points(), formation, facts.max_list);
     let planes = Planes::from_points(subject.arranged, &frame);
     let analytic = planes.map(|planes| planes.about(subject.background, reference));
@@ -119,7 +119,7 @@ pub fn run(
         clouds: thinning.iter().map(|one_of| (*one_of, clouds.len(*one_of))).collect(),
     });
     let (skipped, tried) = (Vec::new(), Vec::new());
-    let mut run = Run {
+    let mut run = TradeoffRun {
         device,
         subject,
         options,
@@ -153,9 +153,9 @@ pub fn run(
     Ok(run.report(&taken, popping))
 }
 
-struct Run<'a> {
+struct TradeoffRun<'a> {
     device: &'a Device,
-    subject: &'a Subject<'a>,
+    subject: &'a MeasuredScene<'a>,
     options: &'a Options,
     folder: &'a Path,
     progress: &'a Progress,
@@ -163,7 +163,7 @@ struct Run<'a> {
     frame: Frame,
     partial: Partial,
     clouds: Clouds<'a>,
-    made: Made,
+    made: ReferenceImage,
     occasion: Occasion,
     /// The image without order, once it was tried.
     unordered: Option<Option<LinearImage>>,
@@ -174,7 +174,7 @@ struct Run<'a> {
     tried: Vec<Spent>,
 }
 
-impl Run<'_> {
+impl TradeoffRun<'_> {
     fn linear(&self, image: &Image) -> LinearImage {
         linear(image, self.subject.background, self.frame.color)
     }
@@ -233,7 +233,7 @@ impl Run<'_> {
 
     /// Measures the change of errors along the path, if there is one.
     fn follow(&mut self) -> Result<Option<Popping>> {
-        let Subject { arranged, background, cameras, .. } = *self.subject;
+        let MeasuredScene { arranged, background, cameras, .. } = *self.subject;
         let own = self.subject.frame.method;
         let exact = popping::exact(&own, arranged.points()).filter(|_| !cameras.is_empty());
         let Some(method) = exact else { return Ok(None) };

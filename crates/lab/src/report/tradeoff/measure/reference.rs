@@ -6,14 +6,14 @@ use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_io::output::linear;
 
-use super::Subject;
+use super::MeasuredScene;
 use crate::report::tradeoff::surfaces::{Clouds, Silhouette, supersampled};
 use crate::report::truth::soft_spheres;
 use pellucid_session::candidates::Formation;
 use pellucid_session::choice;
 
 /// The reference that images are compared with.
-pub(super) struct Made {
+pub(super) struct ReferenceImage {
     pub(super) reference: LinearImage,
     /// The image of the device, if it must be checked against the float64 reference.
     pub(super) unchecked: Option<Image>,
@@ -28,10 +28,10 @@ pub(super) struct Made {
     pub(super) covered: Vec<bool>,
 }
 
-impl Made {
+impl ReferenceImage {
     pub(super) fn new(
         device: &Device,
-        subject: &Subject<'_>,
+        subject: &MeasuredScene<'_>,
         formation: &Formation,
         frame: &Frame,
         clouds: &mut Clouds<'_>,

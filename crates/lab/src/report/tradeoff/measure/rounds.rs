@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{FrameProfile, Renderer};
 
-use super::{ALONE_SHARE, Run};
+use super::{ALONE_SHARE, TradeoffRun};
 use crate::report::tradeoff::partial::Timed;
 use crate::report::tradeoff::summary;
 use pellucid_session::candidates::Setting;
@@ -14,7 +14,7 @@ use pellucid_session::choice::Renderers;
 /// Part of the time for frames that are timed in turns.
 const ROUNDS_SHARE: f64 = 0.35;
 
-impl Run<'_> {
+impl TradeoffRun<'_> {
     /// Times frames of all settings in turns, so that a machine that slows down affects all of them. Rounds timed by an
     /// earlier run are kept; only the missing frames are rendered.
     pub(super) fn rounds(&mut self, settings: &[Setting]) -> Result<()> {

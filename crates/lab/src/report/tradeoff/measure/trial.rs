@@ -9,8 +9,8 @@ use pellucid_engine::methods::{self, Facts, Rendered, Renderer};
 use pellucid_scene::prepare::Arranged;
 
 use super::limit::{self, Account, Spent};
-use super::{ALONE_SHARE, FRAME_SHARE, Options, Run};
-use crate::report::tradeoff::partial::{Measured, Timed};
+use super::{ALONE_SHARE, FRAME_SHARE, Options, TradeoffRun};
+use crate::report::tradeoff::partial::{SettingResults, Timed};
 use crate::report::tradeoff::repeats::Seeds;
 use crate::report::tradeoff::{DIFFERENCE_GAIN, Errors, Row, analytic};
 use pellucid_session::candidates::Setting;
@@ -20,7 +20,7 @@ const SEEDS_SHARE: f64 = 80.0;
 /// Part of the time for first frames, errors and seeds.
 const TRIALS_SHARE: f64 = 0.6;
 
-impl Run<'_> {
+impl TradeoffRun<'_> {
     /// The first frames of all settings; those that were not skipped, in their order.
     pub(super) fn trials(&mut self, settings: &[Setting]) -> Result<Vec<Setting>> {
         let order = match self.options.end {
@@ -84,7 +84,7 @@ impl Run<'_> {
     }
 
     /// The first frames of a setting, if they are there.
-    fn first(&self, setting: &Setting) -> Option<&Measured> {
+    fn first(&self, setting: &Setting) -> Option<&SettingResults> {
         self.partial.content.settings.get(&setting.key())
     }
 
@@ -111,7 +111,7 @@ impl Run<'_> {
         if seconds > most {
             return Some(format!("{about} one may take {most:.1} s"));
         }
-        let images = |first: &Measured| first.row.repeats.map_or(2, |repeats| repeats.seeds.max(2));
+        let images = |first: &SettingResults| first.row.repeats.map_or(2, |repeats| repeats.seeds.max(2));
         let spent: f64 = before
             .iter()
             .filter_map(|other| self.first(other))
@@ -124,7 +124,7 @@ impl Run<'_> {
 
     /// Renders a setting with fresh buffers: measures memory, errors, pictures, and the approximate time of a frame,
     /// which is final for slow settings.
-    fn first_frames(&mut self, setting: &Setting) -> Result<Measured> {
+    fn first_frames(&mut self, setting: &Setting) -> Result<SettingResults> {
         let mut renderer = Renderer::new(self.device)?;
         let first = self.render(&mut renderer, setting, 0)?;
         let image = self.linear(&first.image);
@@ -177,10 +177,10 @@ impl Run<'_> {
             difference,
             ..Row::default()
         };
-        Ok(Measured { row, seconds, frames })
+        Ok(SettingResults { row, seconds, frames })
     }
 
-    /// Renders like [`Run::render`], but shuffles points into other ensembles: their choice is as random as the
+    /// Renders like [`TradeoffRun::render`], but shuffles points into other ensembles: their choice is as random as the
     /// samples.
     fn render_anew(
         &mut self,

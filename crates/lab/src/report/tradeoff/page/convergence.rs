@@ -3,13 +3,13 @@
 use maud::{Markup, html};
 
 use super::{Row, Tradeoff, error};
-use crate::report::page::{Table, count, digits};
+use crate::report::page::{ReportTable, count, digits};
 use crate::report::tradeoff::figures::{short, signed};
 use crate::report::tradeoff::{Analytic, Repeats};
 
 pub(super) fn convergence(report: &Tradeoff) -> Markup {
     let [slope, explained] = [|slope: f64| signed(slope, 3), |share: f64| format!("{share:.3}")];
-    let table = Table::new(&report.convergence)
+    let table = ReportTable::new(&report.convergence)
         .text("method", |found| &found.method)
         .text("over", |found| &found.key)
         .number("slope of RMSE", slope, |found| found.rmse.exponent)
@@ -32,7 +32,7 @@ pub(super) fn convergence(report: &Tradeoff) -> Markup {
 pub(super) fn blended(report: &Tradeoff, analytic: &Analytic) -> Markup {
     let expected = |row: &Row| row.step.as_ref().map(|(_, count)| analytic.expected(*count));
     let rows = report.rows.iter().filter(|row| row.step.is_some() && row.rmse_analytic.is_some());
-    let table = Table::new(rows)
+    let table = ReportTable::new(rows)
         .text("setting", |row| short(&row.setting))
         .number("ms", digits, |row| row.gpu_ms.median)
         .number("RMSE against the reference", error, |row| row.errors.rmse)
@@ -56,7 +56,7 @@ pub(super) fn blended(report: &Tradeoff, analytic: &Analytic) -> Markup {
 pub(super) fn bias(report: &Tradeoff) -> Markup {
     let repeats = report.rows.iter().filter_map(|row| Some((row, row.repeats?)));
     let repeats: Vec<(&Row, Repeats)> = repeats.collect();
-    let table = Table::new(&repeats)
+    let table = ReportTable::new(&repeats)
         .text("method", |(row, _)| &row.method)
         .text("setting", |(row, _)| short(&row.setting))
         .number("seeds", count, |(_, repeats)| f64::from(repeats.seeds))

@@ -16,7 +16,7 @@ use super::figures::short;
 use super::looks;
 use super::pictures::Pictures;
 use super::{Row, Tradeoff};
-use crate::report::page::{Drawn, Table, count, digits, facts, grouped, mib, page, script, sorting};
+use crate::report::page::{Drawn, ReportTable, count, digits, facts, grouped, mib, page, script, sorting};
 use crate::report::popping;
 
 const STYLE: &str = "
@@ -165,7 +165,7 @@ fn scientific(value: f64) -> String {
 fn front(report: &Tradeoff) -> Markup {
     let mut rows: Vec<&Row> = report.rows.iter().filter(|row| row.front).collect();
     rows.sort_by(|a, b| a.gpu_ms.median.total_cmp(&b.gpu_ms.median));
-    Table::new(rows)
+    ReportTable::new(rows)
         .text("method", |row| &row.method)
         .text("setting", |row| short(&row.setting))
         .number("ms", digits, |row| row.gpu_ms.median)
@@ -178,7 +178,7 @@ fn front(report: &Tradeoff) -> Markup {
 }
 
 fn findings(report: &Tradeoff) -> Markup {
-    let table = Table::new(&report.findings)
+    let table = ReportTable::new(&report.findings)
         .text("the paper", |finding| &finding.claim)
         .text("measured here", |finding| &finding.measured)
         .text("holds here", |finding| finding.holds.map_or("", |holds| if holds { "yes" } else { "no" }));
@@ -197,7 +197,7 @@ pub(super) fn percent(share: f64) -> String {
 fn rows(report: &Tradeoff) -> Markup {
     let decibels = |db: f64| if db.is_finite() { format!("{db:.1}") } else { "∞".to_owned() };
     let range = |row: &Row| format!("{}–{}", digits(row.gpu_ms.min), digits(row.gpu_ms.max));
-    let mut table = Table::new(&report.rows)
+    let mut table = ReportTable::new(&report.rows)
         .text("method", |row| &row.method)
         .text("setting", |row| short(&row.setting))
         .text("front", |row| if row.front { "front" } else { "" })
@@ -223,7 +223,7 @@ fn rows(report: &Tradeoff) -> Markup {
 }
 
 fn skipped(report: &Tradeoff) -> Markup {
-    let table = Table::new(&report.skipped)
+    let table = ReportTable::new(&report.skipped)
         .text("method", |skipped| &skipped.method)
         .text("setting", |skipped| short(&skipped.setting))
         .text("why", |skipped| &skipped.reason);

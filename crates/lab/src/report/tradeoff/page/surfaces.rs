@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::{Row, Tradeoff, error, percent};
-use crate::report::page::{Table, count, digits, grouped};
+use crate::report::page::{ReportTable, count, digits, grouped};
 use crate::report::tradeoff::figures::short;
 use crate::report::tradeoff::{Shaded, Surveyed};
 
@@ -14,7 +14,7 @@ pub(super) fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
         cloud.map_or_else(String::new, |(_, points)| grouped(*points))
     };
     let rows: Vec<&Row> = report.rows.iter().filter(|row| row.method == "image-space").collect();
-    let table = Table::new(rows.iter().copied())
+    let table = ReportTable::new(rows.iter().copied())
         .text("points", points)
         .text("setting", |row| short(&row.setting))
         .number("ms", digits, |row| row.gpu_ms.median)
@@ -34,7 +34,7 @@ pub(super) fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
 
 /// Soft shadows of more and fewer samples.
 pub(super) fn shaded(found: &Shaded) -> Markup {
-    let table = Table::new(&found.steps)
+    let table = ReportTable::new(&found.steps)
         .number("samples of the light", count, |step| f64::from(step.samples))
         .number("ms", digits, |step| step.ms.median)
         .written("from–to", |step| (step.ms.median, format!("{}–{}", digits(step.ms.min), digits(step.ms.max))))
