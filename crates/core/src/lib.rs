@@ -10,6 +10,7 @@ pub mod light;
 pub mod metrics;
 #[doc(hidden)]
 pub mod morton;
+pub mod parallel;
 pub mod points;
 pub mod progress;
 pub mod random;
