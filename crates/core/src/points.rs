@@ -9,7 +9,7 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
 
-use bytemuck::{NoUninit, bytes_of};
+use bytemuck::{NoUninit, Pod, bytes_of};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::cloud::Bounds;
 use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
 use crate::cloud::sampling::{Sampling, mix};
+use crate::parallel;
 pub use packed::Unreadable;
 pub use sample::Known;
 
@@ -357,11 +358,11 @@ impl Points {
     /// once it is copied, since memory can't hold a hundred million points twice. Columns of a single value stay as
     /// they are.
     pub fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
-        fn pick<T: NoUninit + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
+        fn pick<T: Pod + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
             if is_uniform(&column) {
                 return column;
             }
-            (0..column.len()).into_par_iter().map(|i| column[from(i)]).collect()
+            parallel::map_plain(column.len(), |i| column[from(i)])
         }
         Self {
             positions: pick(self.positions, &from),
@@ -380,9 +381,9 @@ impl Points {
 
     /// Returns the points at these places, in that order, with radii times a factor.
     pub fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
-        fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
-            let value_at = |place: &u32| column[*place as usize];
-            if column.is_empty() { Vec::new() } else { places.par_iter().map(value_at).collect() }
+        fn pick<T: Pod + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
+            let count = if column.is_empty() { 0 } else { places.len() };
+            parallel::map_plain(count, |i| column[places[i] as usize])
         }
         Self {
             positions: pick(&self.positions, places),
@@ -403,7 +404,7 @@ impl Points {
     /// number of its part and its place there.
     #[doc(hidden)]
     pub fn gather(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Self {
-        fn pick<'a, T: Copy + Send + Sync + 'a>(
+        fn pick<'a, T: Pod + Send + Sync>(
             parts: &'a [Arc<Points>],
             picked: &[[u32; 2]],
             column: impl Fn(&'a Points) -> &'a [T],
@@ -412,7 +413,10 @@ impl Points {
             if columns.iter().all(|column| column.is_empty()) {
                 return Vec::new();
             }
-            picked.par_iter().with_min_len(1 << 12).map(|[part, at]| columns[*part as usize][*at as usize]).collect()
+            parallel::map_plain(picked.len(), |i| {
+                let [part, at] = picked[i];
+                columns[part as usize][at as usize]
+            })
         }
         let has_normals = parts.iter().any(|points| points.normals.is_some());
         let degree = parts.iter().filter_map(|points| Some(points.gaussians.as_ref()?.degree)).max();
@@ -434,12 +438,11 @@ impl Points {
     fn gathered_gaussians(parts: &[Arc<Self>], picked: &[[u32; 2]], degree: u32) -> Gaussians {
         let mut all = Gaussians::none(picked.len()).with_degree(degree);
         let of = |[part, at]: [u32; 2]| Some((parts[part as usize].gaussians.as_ref()?, at as usize));
-        let columns = all.extents.par_iter_mut().zip(&mut all.rotations).zip(&mut all.bases).zip(picked);
-        columns.with_min_len(1 << 12).for_each(|(((extents, rotation), base), from)| {
-            if let Some((own, at)) = of(*from) {
-                (*extents, *rotation, *base) = (own.extents[at], own.rotations[at], own.bases[at]);
-            }
+        parallel::for_each_mut(&mut all.extents, |i, to| *to = of(picked[i]).map_or(*to, |(own, at)| own.extents[at]));
+        parallel::for_each_mut(&mut all.rotations, |i, to| {
+            *to = of(picked[i]).map_or(*to, |(own, at)| own.rotations[at]);
         });
+        parallel::for_each_mut(&mut all.bases, |i, to| *to = of(picked[i]).map_or(*to, |(own, at)| own.bases[at]));
         if let Some(count) = NonZeroUsize::new(all.coefficients()) {
             let each = all.harmonics.par_chunks_mut(count.get()).zip(picked).with_min_len(1 << 12);
             each.for_each(|(harmonics, from)| {
@@ -453,8 +456,8 @@ impl Points {
 
     /// Normals of parts of which some have none, which are zeros.
     fn gathered_normals(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Vec<Vec3> {
-        let of = |[part, at]: &[u32; 2]| parts[*part as usize].normals.as_ref().map(|normals| normals[*at as usize]);
-        picked.par_iter().with_min_len(1 << 12).map(|from| of(from).unwrap_or(Vec3::ZERO)).collect()
+        let of = |[part, at]: [u32; 2]| parts[part as usize].normals.as_ref().map(|normals| normals[at as usize]);
+        parallel::map_plain(picked.len(), |i| of(picked[i]).unwrap_or(Vec3::ZERO))
     }
 
     /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are

@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 use crate::color::decode_srgb;
+use crate::parallel;
 
 /// The spherical harmonic of degree 0, 1 / (2√π).
 pub const Y0: f64 = 0.282_094_791_773_878_14;
@@ -117,16 +118,16 @@ impl Gaussians {
     #[must_use]
     pub fn picked(&self, count: usize, from: impl Fn(usize) -> usize + Sync) -> Self {
         let stride = self.coefficients();
-        let each = || (0..count).into_par_iter().with_min_len(1 << 12);
         let harmonics = if stride == 0 {
             Vec::new()
         } else {
-            each().flat_map_iter(|i| self.harmonics_of(from(i)).iter().copied()).collect()
+            let each = (0..count).into_par_iter().with_min_len(1 << 12);
+            each.flat_map_iter(|i| self.harmonics_of(from(i)).iter().copied()).collect()
         };
         Self {
-            extents: each().map(|i| self.extents[from(i)]).collect(),
-            rotations: each().map(|i| self.rotations[from(i)]).collect(),
-            bases: each().map(|i| self.bases[from(i)]).collect(),
+            extents: parallel::map_plain(count, |i| self.extents[from(i)]),
+            rotations: parallel::map_plain(count, |i| self.rotations[from(i)]),
+            bases: parallel::map_plain(count, |i| self.bases[from(i)]),
             degree: self.degree,
             harmonics,
         }

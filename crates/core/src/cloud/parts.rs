@@ -1,14 +1,15 @@
 //! Parts of clouds: some of the points of one, and several one behind the other.
 
-use rayon::prelude::*;
+use bytemuck::Pod;
 
 use super::gaussians::Gaussians;
 use super::shadow_texture::ShadowTexture;
 use super::{Cloud, Prepared};
+use crate::parallel;
 
 /// The values at these places; of a column that isn't there none.
-fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
-    places.par_iter().map(|place| column[*place as usize]).collect()
+fn pick<T: Pod + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
+    parallel::map_plain(places.len(), |i| column[places[i] as usize])
 }
 
 impl Cloud {

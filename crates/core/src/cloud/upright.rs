@@ -7,6 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::depth_camera::hundredths;
+use crate::parallel;
 
 /// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
@@ -27,7 +28,7 @@ pub fn reason_for_z(positions: &[DVec3]) -> Option<&'static str> {
     if count < FEWEST {
         return None;
     }
-    let ranges = [0, 1, 2].map(|axis| hundredths(positions.par_iter().map(|p| p[axis]).collect()));
+    let ranges = [0, 1, 2].map(|axis| hundredths(parallel::map_each(positions, |p| p[axis])));
     let [x, y, z] = ranges.map(|[low, high]| high - low);
     if z < FLAT * x.min(y) {
         return Some("since its points are flattest along z");

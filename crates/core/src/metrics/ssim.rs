@@ -1,9 +1,8 @@
 //! Structural similarity.
 
-use rayon::prelude::*;
-
 use super::finite;
 use crate::image::LinearImage;
+use crate::parallel;
 
 /// Standard deviation of the window's weights, in pixels.
 const SIGMA: f64 = 1.5;
@@ -34,13 +33,10 @@ pub fn ssim(a: &LinearImage, b: &LinearImage) -> f64 {
         return 1.0;
     }
     let (across, down) = (weights(width), weights(height));
-    let rows: Vec<f64> = (0..=height - down.len())
-        .into_par_iter()
-        .map(|row| {
-            let moments = vertical(&x[row * width..], &y[row * width..], width, &down);
-            moments.windows(across.len()).map(|window| horizontal(window, &across)).sum()
-        })
-        .collect();
+    let rows: Vec<f64> = parallel::map(height - down.len() + 1, |row| {
+        let moments = vertical(&x[row * width..], &y[row * width..], width, &down);
+        moments.windows(across.len()).map(|window| horizontal(window, &across)).sum()
+    });
     // Summed in order, so that the last bit depends on no scheduling.
     let windows = (width - across.len() + 1) * rows.len();
     rows.iter().sum::<f64>() / (3 * windows) as f64

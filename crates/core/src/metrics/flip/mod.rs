@@ -11,10 +11,10 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::finite;
 use crate::image::LinearImage;
+use crate::parallel;
 use color::Colors;
 use filter::{Filters, Weights};
 
@@ -43,14 +43,11 @@ pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
         return 0.0;
     }
     let eye = Eye::new(PIXELS_PER_DEGREE);
-    let strips: Vec<f64> = (0..height.div_ceil(STRIP))
-        .into_par_iter()
-        .map(|strip| {
-            let rows = strip * STRIP..height.min((strip + 1) * STRIP);
-            let [a, b] = images.each_ref().map(|pixels| eye.features(pixels, width, rows.clone()));
-            a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).sum()
-        })
-        .collect();
+    let strips: Vec<f64> = parallel::map(height.div_ceil(STRIP), |strip| {
+        let rows = strip * STRIP..height.min((strip + 1) * STRIP);
+        let [a, b] = images.each_ref().map(|pixels| eye.features(pixels, width, rows.clone()));
+        a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).sum()
+    });
     // Summed in order, so that the last bit depends on no scheduling.
     strips.iter().sum::<f64>() / (width * height) as f64
 }
