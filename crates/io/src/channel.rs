@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::columns::ScalarType;
 use pellucid_core::color::{decode_srgb, linear_values};
+use pellucid_core::parallel;
 
 /// Floats up to this limit are meant to be at most 1; the excess is rounding.
 const UNIT: f32 = 1.0 + 1e-3;
@@ -125,7 +126,7 @@ pub(super) fn measured(mut colors: Vec<Vec3>, full: f32) -> Vec<Vec3> {
         let encoded = color.to_array();
         if encoded.iter().all(|value| value.is_nan()) { Vec3::ONE } else { Vec3::from(encoded.map(channel)) }
     };
-    colors.par_iter_mut().for_each(|color| *color = linear(color));
+    parallel::for_each_mut(&mut colors, |_, color| *color = linear(color));
     colors
 }
 

@@ -2,7 +2,8 @@
 
 use bytemuck::Zeroable;
 use bytemuck::allocation::zeroed_vec;
-use rayon::prelude::*;
+
+use pellucid_core::parallel;
 
 /// Takes a column of each part, and returns their values, one part behind the other, copied on all cores. Each part's
 /// is gone once it is copied.
@@ -22,7 +23,7 @@ pub(crate) fn taken<P, T: Zeroable + Copy + Send + Sync>(
         copies.push((part, own));
         rest = behind;
     }
-    copies.into_par_iter().for_each(|(from, to)| to.copy_from_slice(&from));
+    parallel::for_each_mut(&mut copies, |_, (from, to)| to.copy_from_slice(&std::mem::take(from)));
     all
 }
 

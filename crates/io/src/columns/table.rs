@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::{RowLayout, RowRun, taken, taken_optional};
 use crate::channel;
 use pellucid_core::cloud::Cloud;
+use pellucid_core::parallel;
 
 /// The columns of some rows of a table.
 pub(crate) struct PointTable {
@@ -176,7 +177,7 @@ impl PointTable {
         let mut cloud = self.cloud;
         if let (Some(codes), Some((_, name))) = (self.codes, &layout.classification) {
             if whole.codes {
-                cloud.classification = Some(codes.par_iter().map(|&code| code as u8).collect());
+                cloud.classification = Some(parallel::map_each(&codes, |&code| code as u8));
             } else {
                 cloud.scalars.push((name.clone(), codes));
             }

@@ -10,6 +10,7 @@ use crate::LasColumns;
 use crate::columns::{taken, taken_optional};
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
 use pellucid_core::color::linear_values;
+use pellucid_core::parallel;
 
 /// Columns of a part of the file, as they are stored: before what only the whole file tells ([`Traits`]) is known.
 pub(crate) struct Columns {
@@ -124,7 +125,7 @@ impl Columns {
     pub fn finish<'a>(self, extra: impl Iterator<Item = &'a str>, asked: LasColumns, traits: &Traits) -> Cloud {
         let mut scalars = Vec::new();
         if asked.returns || traits.most_returns > 1 {
-            let column = |bytes: &[u8]| bytes.par_iter().map(|&byte| byte.into()).collect();
+            let column = |bytes: &[u8]| parallel::map_each(bytes, |&byte| f32::from(byte));
             scalars.push((RETURN_NUMBER.to_owned(), column(&self.return_number)));
             scalars.push((NUMBER_OF_RETURNS.to_owned(), column(&self.number_of_returns)));
         }
@@ -166,7 +167,8 @@ fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     }
     let full = if largest <= 255 { 255 } else { u16::MAX };
     let table = linear_values(full);
-    Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored.min(full))]))).collect())
+    let value = |stored: u16| table[usize::from(stored.min(full))];
+    Some(parallel::map_plain(rgb.len(), |i| Vec3::from(rgb[i].map(value))))
 }
 
 #[cfg(test)]

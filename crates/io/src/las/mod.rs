@@ -12,7 +12,6 @@ mod traits;
 
 use glam::DVec3;
 use laz::DecompressionSelection;
-use rayon::prelude::*;
 
 use super::store::Grid;
 use super::{Error, InputFile, LasColumns, SharedFile, memory};
@@ -20,6 +19,7 @@ pub(super) use chunks::Chunk;
 pub(super) use columns::Columns;
 pub(super) use header::{LasHeader, MAX_POINTS_PER_BYTE};
 use pellucid_core::cloud::{Bounds, Cloud};
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 pub(super) use traits::Traits;
 
@@ -28,7 +28,7 @@ pub(super) fn read(source: InputFile, asked: LasColumns, progress: &Progress) ->
     let file = LasFile::open(source, asked)?;
     memory::check(file.file.path(), file.header.count, Columns::least_bytes(&file.header))?;
     progress.set_length(file.header.count);
-    let parts = file.chunks.par_iter().map(|chunk| file.decode(chunk, progress)).collect::<Result<Vec<_>, _>>()?;
+    let parts = parallel::try_map_each(&file.chunks, |chunk| file.decode(chunk, progress))?;
     let Some(columns) = Columns::join(parts) else { return Ok(Cloud::default()) };
     let traits = columns.traits();
     Ok(file.finish(columns, &traits))

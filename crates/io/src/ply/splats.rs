@@ -5,10 +5,7 @@
 //! along three axes (`scale_0..2`; flat splats have two) and those axes (`rot_0..3`: w, x, y, z). Other properties stay
 //! what they are, but for normals, which are zeros.
 
-use std::ops::Range;
-
 use glam::{DQuat, DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::rows::VertexRows;
 use crate::columns::{Column, FullScale, PointTable, RowLayout, ScalarType};
@@ -17,6 +14,7 @@ use crate::{Error, memory};
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::{MAX_DEGREE, coefficients};
 use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
 /// Splats that a thread parses at a time.
@@ -157,7 +155,8 @@ impl<'a> SplatPart<'a> {
 pub(super) fn read_rows(rows: &VertexRows, of: &SplatColumns, progress: &Progress) -> Result<Cloud, Error> {
     of.check(rows.file.path(), rows.count)?;
     progress.set_length(rows.count);
-    let run = |places: Range<u64>| {
+    let run = |first: &u64| {
+        let places = *first..rows.count.min(*first + RUN);
         let mut part = SplatPart::new(of, (places.end - places.start) as usize);
         rows.blocks(places.clone(), |block| {
             (0..block.len()).for_each(|row| part.push(|at| block.value(row, at)));
@@ -165,9 +164,8 @@ pub(super) fn read_rows(rows: &VertexRows, of: &SplatColumns, progress: &Progres
         progress.inc(places.end - places.start);
         Ok(part)
     };
-    let runs = (0..rows.count.div_ceil(RUN)).into_par_iter();
-    let parts = runs.map(|at| run(at * RUN..rows.count.min((at + 1) * RUN))).collect::<Result<_, Error>>()?;
-    Ok(SplatPart::finish(of, parts))
+    let firsts: Vec<u64> = (0..rows.count).step_by(RUN as usize).collect();
+    Ok(SplatPart::finish(of, parallel::try_map_each::<_, _, Error>(&firsts, run)?))
 }
 
 /// Returns the filter that comments name; the last of them counts.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::columns::taken;
 use pellucid_core::cloud::gaussians::{Gaussians, Y0, coefficients, linear};
 use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
 /// Splats that a thread decodes at a time.
@@ -148,9 +149,10 @@ impl Splats {
     /// Returns the cloud of all of them.
     pub fn finish(self, up: UpAxis) -> Cloud {
         let warning = (self.odd > 0).then(|| left_out(self.odd as u64));
+        let bases = &self.gaussians.bases;
         Cloud {
             positions: self.positions,
-            colors: Some(self.gaussians.bases.par_iter().map(|base| linear(*base)).collect()),
+            colors: Some(parallel::map_plain(bases.len(), |i| linear(bases[i]))),
             alphas: Some(self.alphas),
             gaussians: Some(self.gaussians),
             non_finite: self.without_center,

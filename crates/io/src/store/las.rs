@@ -3,12 +3,11 @@
 use std::ops::Range;
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use super::{Node, PIECE, Piece, Store, Summary};
 use crate::las::{Chunk, Columns, LasFile, Traits};
 use crate::{Error, InputFile, LasColumns};
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
 /// A LAS or LAZ file, in pieces of about half a million consecutive points each.
@@ -104,7 +103,7 @@ pub(super) fn read(file: &LasFile, chunks: &[Chunk], traits: &Traits, bounds: &B
         let columns = file.decode(chunk, &Progress::hidden())?;
         check_box(file, chunk, &columns, bounds).map(|()| columns)
     };
-    let parts = chunks.par_iter().map(decode).collect::<Result<Vec<_>, Error>>()?;
+    let parts = parallel::try_map_each(chunks, decode)?;
     let cloud = Columns::join(parts).map(|columns| file.finish(columns, traits)).unwrap_or_default();
     let places = chunks.iter().flat_map(|chunk| chunk.first_point..chunk.first_point + chunk.points).collect();
     Ok(Piece { cloud, places })
@@ -165,8 +164,7 @@ impl LasSurvey {
         while chunks.peek().is_some() && !(fine && survey.traits.settle(format.has_color, has_times, asked.returns)) {
             let batch: Vec<&Chunk> = chunks.by_ref().take(done.clamp(1, MOST_AT_A_TIME)).collect();
             done += batch.len();
-            let seen = batch.par_iter().map(|chunk| file.traits(chunk, boxes));
-            for (traits, bounds) in seen.collect::<Result<Vec<_>, Error>>()? {
+            for (traits, bounds) in parallel::try_map_each(&batch, |chunk| file.traits(chunk, boxes))? {
                 survey.traits = survey.traits.and(traits);
                 fine &= bounds.is_none_or(|bounds| is_fine.is_none_or(|is_fine| is_fine(&bounds)));
                 survey.boxes.extend(bounds);

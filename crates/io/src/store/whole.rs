@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::{Piece, Store};
 use crate::{Error, splats};
 use pellucid_core::cloud::Cloud;
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
 /// Returns all points of a store in the order of its source, with what the store knows of all of them.
@@ -14,12 +15,13 @@ use pellucid_core::progress::Progress;
 pub fn whole(store: &dyn Store, progress: &Progress) -> Result<Cloud, Error> {
     let summary = store.summary();
     progress.set_length(summary.points);
-    let read = |node: usize| {
-        let piece = store.read(node)?;
+    let read = |node: &usize| {
+        let piece = store.read(*node)?;
         progress.inc(piece.cloud.len() as u64);
         Ok(piece)
     };
-    let pieces = (0..store.nodes().len()).into_par_iter().map(read).collect::<Result<Vec<Piece>, Error>>()?;
+    let nodes: Vec<usize> = (0..store.nodes().len()).collect();
+    let pieces = parallel::try_map_each::<_, Piece, Error>(&nodes, read)?;
     let (mut cloud, mut places) = (summary.like.clone(), Vec::new());
     for piece in pieces {
         cloud.append(piece.cloud);

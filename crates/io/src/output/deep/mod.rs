@@ -10,11 +10,10 @@ mod tidy;
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-use rayon::prelude::*;
-
 pub use tidy::tidy;
 
 use block::Line;
+use pellucid_core::parallel;
 
 /// A sample of a pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -169,8 +168,7 @@ impl<'a, W: Write + Seek> Writer<'a, W> {
             lines.push(Line { y, lengths, samples });
             rest = others;
         }
-        let chunks: Vec<_> = lines.par_iter().map(|line| line.encode(self.layout)).collect::<io::Result<_>>()?;
-        for chunk in chunks {
+        for chunk in parallel::try_map_each(&lines, |line| line.encode(self.layout))? {
             self.out.write_all(&chunk)?;
             self.table.push(self.at);
             self.at += chunk.len() as u64;

@@ -1,13 +1,13 @@
 //! All inputs of a build as one cloud, read a batch of nodes at a time.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::super::fitted::fitted;
 use super::super::{Grid, Piece, Store};
 use super::columns;
 use crate::Error;
 use pellucid_core::cloud::{Bounds, Cloud};
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
 /// The inputs.
@@ -60,14 +60,13 @@ impl<'a> Input<'a> {
                 continue;
             }
             progress.check().map_err(|_| self.cancelled())?;
-            let seen = batch.par_iter().map(|(store, node)| {
+            let seen: Vec<T> = parallel::try_map_each(&batch, |(store, node)| {
                 let seen = self
                     .read(*store, *node)
                     .and_then(|piece| see(piece).map_err(|outside| self.error(*store, outside)));
                 progress.inc(self.stores[*store].nodes()[*node].points);
                 seen
-            });
-            let seen: Vec<T> = seen.collect::<Result<_, _>>()?;
+            })?;
             seen.into_iter().try_for_each(&mut take)?;
             batch.clear();
             points = 0;

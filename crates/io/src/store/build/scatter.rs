@@ -4,13 +4,12 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-
 use super::super::octree::integers;
 use super::cube::{Cell, Cube};
 use super::plan::ChunkPlan;
 use crate::Error;
 use pellucid_core::morton::spread;
+use pellucid_core::parallel;
 use pellucid_fault as fault;
 
 /// The files of the chunks of a plan.
@@ -140,7 +139,7 @@ pub(super) fn by_cell(base: Cell, cells: &[Cell], cube: &Cube, stride: usize, re
         let code = cube.code(cube.steps_of(integers(record)), base.level, levels);
         starts.partition_point(|start| *start <= code).saturating_sub(1) as u32
     };
-    let places: Vec<u32> = records.par_chunks_exact(stride).map(cell_of).collect();
+    let places = parallel::map(records.len() / stride, |i| cell_of(&records[i * stride..][..stride]));
     let mut parts = vec![Vec::new(); cells.len()];
     for (record, place) in records.chunks_exact(stride).zip(places) {
         parts[place as usize].extend_from_slice(record);

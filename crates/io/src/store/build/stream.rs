@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use super::super::octree::integers;
 use super::super::{Piece, Store};
 use super::assembler::{Assembler, Told};
@@ -13,6 +11,7 @@ use super::state::{Assembled, State};
 use super::survey::Memory;
 use super::{AttributeLayout, Built, Settings, target};
 use crate::Error;
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
 /// Most points that are put into nodes together: more would take memory, not less time.
@@ -155,8 +154,7 @@ impl Run<'_> {
 
     /// The records of the points of a cell, from nodes that are read side by side.
     fn records(&self, chunk: &Chunk) -> Result<Vec<u8>, Error> {
-        let parts: Vec<Vec<u8>> =
-            chunk.nodes.par_iter().map(|node| self.part(chunk.cell, *node)).collect::<Result<_, _>>()?;
+        let parts = parallel::try_map_each(&chunk.nodes, |node| self.part(chunk.cell, *node))?;
         let mut records = Vec::with_capacity(parts.iter().map(Vec::len).sum());
         parts.into_iter().for_each(|part| records.extend(part));
         Ok(records)

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::integers;
 use super::cube::{CODE_LEVELS, Cell, Cube};
+use pellucid_core::parallel;
 
 /// Points below which a cell isn't divided among threads.
 const ALONE: usize = 1 << 13;
@@ -72,14 +73,14 @@ impl Rules {
     /// Morton curve. There are fewer than 2³² points.
     pub fn grow(&self, cell: Cell, records: &[u8]) -> (Open, Vec<Done>) {
         let levels = CODE_LEVELS.min(self.cube.levels() - cell.level);
-        let key =
-            |(index, record): (usize, &[u8])| (self.cube.code(self.steps(record), cell.level, levels), index as u32);
-        let mut keys: Vec<Key> = records.par_chunks_exact(self.stride).enumerate().map(key).collect();
+        let at = |index: usize| &records[index * self.stride..][..self.stride];
+        let key = |index: usize| (self.cube.code(self.steps(at(index)), cell.level, levels), index as u32);
+        let mut keys: Vec<Key> = parallel::map(records.len() / self.stride, key);
         keys.par_sort_unstable();
-        let record = |key: &Key| &records[key.1 as usize * self.stride..][..self.stride];
-        let equal: Vec<_> = keys.chunk_by_mut(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1).collect();
+        let record = |key: &Key| at(key.1 as usize);
+        let mut equal: Vec<_> = keys.chunk_by_mut(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1).collect();
         let below = cell.level + levels;
-        equal.into_par_iter().for_each(|equal| {
+        parallel::for_each_mut(&mut equal, |_, equal| {
             equal.par_sort_unstable_by(|a, b| self.compare(record(a), record(b), below));
         });
         Growth { rules: self, records, top: cell.level, levels }.cell(cell, &keys)

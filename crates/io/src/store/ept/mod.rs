@@ -7,14 +7,13 @@ mod rows;
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-
 use super::keys::{Key, cut, parents};
 use super::{Node, Piece, Store, Summary};
 use crate::las::{Columns, LasFile, Traits};
 use crate::{Error, InputFile, LasColumns};
 use metadata::{Metadata, Tiles};
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
 /// Tiles that are looked at side by side, if it takes any, to find what decides about whole columns.
@@ -90,8 +89,7 @@ impl Ept {
         let mut traits = Traits::NONE;
         let nodes: Vec<usize> = (0..self.keys.len()).collect();
         for tiles in nodes.chunks(AT_A_TIME) {
-            let of = |node: &usize| Ok(self.tile(*node)?.0.traits());
-            let some = tiles.par_iter().map(of).collect::<Result<Vec<_>, Error>>()?;
+            let some = parallel::try_map_each::<_, _, Error>(tiles, |node| Ok(self.tile(*node)?.0.traits()))?;
             traits = some.into_iter().fold(traits, Traits::and);
             if self.metadata.settles(self.asked, &traits) {
                 break;
@@ -111,8 +109,7 @@ impl Ept {
                     let cause = format!("it has {} points, but the hierarchy says {points}", file.header.count);
                     return Err(file.file.malformed("LAS header", cause));
                 }
-                let decode = |chunk| file.decode(chunk, &Progress::hidden());
-                let parts = file.chunks.par_iter().map(decode).collect::<Result<Vec<_>, Error>>()?;
+                let parts = parallel::try_map_each(&file.chunks, |chunk| file.decode(chunk, &Progress::hidden()))?;
                 let columns = Columns::join(parts).unwrap_or_else(|| Columns::new(&file.header, self.asked));
                 Ok((columns, file.extra_names().map(str::to_owned).collect()))
             }
