@@ -7,6 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use pellucid_core::image::Image;
+use pellucid_core::parallel;
 use pellucid_engine::Result;
 use pellucid_engine::methods::encode::{Encoder, Showing, byte_steps};
 use pellucid_gpu::{Buffer, Device, Slice};
@@ -63,7 +64,7 @@ impl SceneImage<'_> {
     pub fn composed(&self, rgba: &[[f32; 4]]) -> Vec<[f32; 3]> {
         let image = &self.scene.image;
         let background = pellucid_io::output::background(image.background, image.color_space());
-        let pixels: Vec<_> = rgba.par_iter().map(|rgba| Image::over(*rgba, background)).collect();
+        let pixels = parallel::map_each(rgba, |rgba| Image::over(*rgba, background));
         if self.is_coarse() { enlarge(&pixels, self.size, image.size) } else { pixels }
     }
 }

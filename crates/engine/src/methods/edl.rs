@@ -10,14 +10,13 @@
 //!
 //! Reference: `pellucid_reference::edl`, and `pellucid_reference::abuffer::median`.
 
-use rayon::prelude::*;
-
 use super::{Error, Frame, Timeline};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Dispatch, Memory, Run, Scratch};
 use crate::passes::bands::Budget;
 use crate::scene::Edl;
 use crate::{fields, gpu_struct, pass};
+use pellucid_core::parallel;
 
 gpu_struct! {
     /// Push constants of `shading/edl`.
@@ -145,8 +144,7 @@ impl EyeDomeLighting {
 
 /// Multiplies colors, and not what they hide.
 fn darken(colors: &mut [[f32; 4]], factors: &[f32]) {
-    let each = colors.par_iter_mut().zip(factors).with_min_len(1 << 12);
-    each.for_each(|([r, g, b, _], factor)| [r, g, b].into_iter().for_each(|color| *color *= factor));
+    parallel::for_each_mut(colors, |i, [r, g, b, _]| [r, g, b].into_iter().for_each(|color| *color *= factors[i]));
 }
 
 /// Returns the number of bytes that one of the passes must at least read and write, for an image of so many pixels.

@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use crate::color::{decode_srgb, encode_srgb};
 use crate::gpu::shader::Shader;
@@ -12,6 +11,7 @@ use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Run, Slice};
 use crate::output::{background, to_byte};
 use crate::scene::ColorSpace;
 use crate::{gpu_struct, pass};
+use pellucid_core::parallel;
 
 gpu_struct! {
     /// Push constants of `image/encode`.
@@ -151,7 +151,7 @@ impl Encoder {
             u32::from_le_bytes(if blue_first { [b, g, r, a] } else { [r, g, b, a] })
         };
         let fill = |range: Range<usize>, to: &mut [u32]| {
-            to.par_iter_mut().zip(range).with_min_len(1 << 14).for_each(|(to, i)| *to = word(i));
+            parallel::for_each_mut(to, |i, to| *to = word(range.start + i));
         };
         shown.upload_by(shown.len(), fill)?;
         Ok(shown)

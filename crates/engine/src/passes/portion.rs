@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::project::{Beam, Present};
 use crate::cloud::Bounds;
 use crate::points::{Points, Unreadable, Unseen, packed};
 use crate::prepare::order;
 use crate::supply::{Block, starts};
+use pellucid_core::parallel;
 
 /// Blocks that are looked at at once.
 const AT_ONCE: usize = 64;
@@ -109,7 +108,7 @@ impl Portion {
     /// Returns the error of `see`, which ends the iteration.
     pub fn within<E>(&self, beam: &Beam, mut see: impl FnMut(Points) -> Result<(), E>) -> Result<(), E> {
         for some in beam.pick(&self.blocks).chunks(AT_ONCE) {
-            let taken: Vec<Points> = some.par_iter().map(|block| self.taken(beam, *block as usize)).collect();
+            let taken = parallel::map_each(some, |block| self.taken(beam, *block as usize));
             taken.into_iter().filter(|points| !points.is_empty()).try_for_each(&mut see)?;
         }
         Ok(())

@@ -1,10 +1,9 @@
 //! The samples of a pixel, from those of its list.
 
-use rayon::prelude::*;
-
 use crate::methods::abuffer::{LOCAL_LENGTH, Taken};
 use crate::methods::soft::Solids;
 use crate::output::deep::{Sample, State, tidy};
+use pellucid_core::parallel;
 
 /// Pixels that are worked on together.
 const PIXELS: usize = 1024;
@@ -22,23 +21,20 @@ pub(super) struct Wanted {
 /// Returns lengths and samples of a band's pixels, with the solid points behind them.
 pub(super) fn pixels(taken: &Taken<'_>, solids: Option<&Solids>, wanted: Wanted) -> (Vec<u32>, Vec<Sample>) {
     let count = taken.offsets.len() - 1;
-    let parts: Vec<_> = (0..count.div_ceil(PIXELS))
-        .into_par_iter()
-        .map(|part| {
-            let (mut lengths, mut samples) = (Vec::new(), Vec::new());
-            for pixel in part * PIXELS..count.min((part + 1) * PIXELS) {
-                let range = taken.offsets[pixel]..taken.offsets[pixel + 1];
-                let listed = taken.colors[range.clone()].iter().zip(&taken.depths[range]);
-                let there = listed.filter(|(rgba, _)| rgba[3] >= 0.0);
-                let list = there.map(|(rgba, [depth, back])| Sample { rgba: *rgba, depth: *depth, back: *back });
-                let mut list = wanted.of(list.collect());
-                list.extend(solids.and_then(|solids| solid(solids, pixel)));
-                lengths.push(list.len() as u32);
-                samples.append(&mut list);
-            }
-            (lengths, samples)
-        })
-        .collect();
+    let parts = parallel::map(count.div_ceil(PIXELS), |part| {
+        let (mut lengths, mut samples) = (Vec::new(), Vec::new());
+        for pixel in part * PIXELS..count.min((part + 1) * PIXELS) {
+            let range = taken.offsets[pixel]..taken.offsets[pixel + 1];
+            let listed = taken.colors[range.clone()].iter().zip(&taken.depths[range]);
+            let there = listed.filter(|(rgba, _)| rgba[3] >= 0.0);
+            let list = there.map(|(rgba, [depth, back])| Sample { rgba: *rgba, depth: *depth, back: *back });
+            let mut list = wanted.of(list.collect());
+            list.extend(solids.and_then(|solids| solid(solids, pixel)));
+            lengths.push(list.len() as u32);
+            samples.append(&mut list);
+        }
+        (lengths, samples)
+    });
     let (lengths, samples): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
     (lengths.concat(), samples.concat())
 }

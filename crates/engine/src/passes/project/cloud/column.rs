@@ -1,12 +1,10 @@
 //! The columns of vectors that the device holds of each point.
 
-use std::ops::Range;
-
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 use crate::gpu::{Buffer, Error};
 use crate::points::Points;
+use pellucid_core::parallel;
 
 /// A column of vectors that the device holds, one for each point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,24 +26,15 @@ impl Column {
     /// All of them, normals last.
     pub const ALL: [Self; 4] = [Self::High, Self::Low, Self::Color, Self::Normal];
 
-    /// Returns the column of some points.
-    pub(super) fn values(
-        self,
-        points: &Points,
-        origin: DVec3,
-        range: Range<usize>,
-    ) -> impl IndexedParallelIterator<Item = [f32; 4]> + '_ {
-        range.into_par_iter().map(move |i| self.value(points, origin, i))
-    }
-
     /// Brings the column of all points to the front of a buffer.
     pub(super) fn upload(self, points: &Points, origin: DVec3, buffer: &Buffer<[f32; 4]>) -> Result<(), Error> {
         buffer.upload_by(points.len() as u64, |range, to| {
-            self.values(points, origin, range).zip(to).for_each(|(from, to)| *to = from);
+            parallel::for_each_mut(to, |i, to| *to = self.value(points, origin, range.start + i));
         })
     }
 
-    fn value(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
+    /// Returns the column of one point.
+    pub(super) fn value(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         match self {
             // Of a Gaussian a radius below 0 says that it is no disc.

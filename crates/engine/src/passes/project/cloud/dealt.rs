@@ -13,6 +13,7 @@ use crate::points::Points;
 use crate::prepare::dealt_file::DealtFile;
 use crate::prepare::ensembles::Dealt;
 use crate::progress::Progress;
+use pellucid_core::parallel;
 
 /// The points of a dealt list.
 #[derive(Debug, Clone)]
@@ -82,7 +83,7 @@ impl DeviceCloud {
         let (origin, len) = (self.origin, self.len.max(1));
         let column = |name, column: Column| {
             uploaded(device, (name, len), file, |points, to: &mut [[f32; 4]]| {
-                column.values(points, origin, 0..points.len()).zip(to).for_each(|(from, to)| *to = from);
+                parallel::for_each_mut(to, |i, to| *to = column.value(points, origin, i));
             })
         };
         let (points_hi, points_lo) = (column("points, hi", Column::High)?, column("points, lo", Column::Low)?);
@@ -146,7 +147,7 @@ impl DeviceCloud {
 
     fn pack_held(&self, points: &Points, range: Range<usize>, columns: &mut Vec<[f32; 4]>, ids: &mut Vec<u32>) {
         for column in self.columns() {
-            columns.par_extend(column.values(points, self.origin, range.clone()));
+            columns.par_extend(range.clone().into_par_iter().map(|i| column.value(points, self.origin, i)));
         }
         ids.extend(points.ids(&self.anchor, range));
     }

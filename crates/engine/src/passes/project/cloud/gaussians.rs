@@ -1,11 +1,10 @@
 //! Gaussians on the device: what they have beside the columns of all points.
 
-use rayon::prelude::*;
-
 use super::empty;
 use crate::cloud::gaussians::{Gaussians, MAX_DEGREE, coefficients};
 use crate::gpu::{Buffer, Device, Error, Memory};
 use crate::points::{Points, WholeSplats};
+use pellucid_core::parallel;
 
 const EXTENTS: &str = "Gaussians, extents";
 const ROTATIONS: &str = "Gaussians, rotations";
@@ -108,16 +107,19 @@ impl GaussianColumns {
     fn upload(&self, gaussians: &Gaussians) -> Result<(), Error> {
         let count = gaussians.len() as u64;
         self.extents.upload_by(count, |range, to| {
-            let each = gaussians.extents[range].par_iter().zip(to);
-            each.for_each(|(from, to)| *to = from.extend(0.0).to_array());
+            let from = &gaussians.extents[range];
+            parallel::for_each_mut(to, |i, to| *to = from[i].extend(0.0).to_array());
         })?;
         self.rotations.upload_by(count, |range, to| {
-            gaussians.rotations[range].par_iter().zip(to).for_each(|(from, to)| *to = from.to_array());
+            let from = &gaussians.rotations[range];
+            parallel::for_each_mut(to, |i, to| *to = from[i].to_array());
         })?;
         let words = self.words() as usize;
         self.harmonics.upload_by(count * words as u64, |range, to| {
-            let each = range.into_par_iter().with_min_len(1 << 12).zip(to);
-            each.for_each(|(at, to)| *to = word(gaussians, at / words, at % words));
+            parallel::for_each_mut(to, |i, to| {
+                let at = range.start + i;
+                *to = word(gaussians, at / words, at % words);
+            });
         })
     }
 }

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::{Column, DeviceCloud};
 use crate::cloud::shadow_texture::{Casting, ShadowTexture};
 use crate::gpu::{Buffer, Device, Error, Memory};
 use crate::prepare::Arranged;
+use pellucid_core::parallel;
 
 /// Light's view of all points of a cloud whose points come some at a time.
 pub struct LightImages {
@@ -74,11 +73,12 @@ impl DeviceCloud {
         }
         self.reserve_shares(device)?;
         self.normals.upload_by(self.len, |range, to| {
-            let first = range.start;
             let place = |i: usize| points.file_order.get(i).map_or(i, |place| *place as usize);
             let lit = |i: usize| texture.lit.get(place(i)).copied().unwrap_or(1.0);
-            let column = Column::Normal.values(points, self.origin, range).zip(to).enumerate();
-            column.for_each(|(i, ([x, y, z, _], to))| *to = [x, y, z, lit(first + i)]);
+            parallel::for_each_mut(to, |i, to| {
+                let [x, y, z, _] = Column::Normal.value(points, self.origin, range.start + i);
+                *to = [x, y, z, lit(range.start + i)];
+            });
         })?;
         self.set_casting(texture.casting);
         Ok(())

@@ -8,6 +8,7 @@ use pellucid_core::image::Image;
 use pellucid_core::image::LinearImage;
 use pellucid_core::image::MAX_SIDE;
 use pellucid_core::metrics::rmse;
+use pellucid_core::parallel;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_io::output::linear;
@@ -110,14 +111,13 @@ impl Silhouette {
             let mut rows = (y * side..(y + 1) * side).map(|row| row * pitch + x * side);
             rows.all(|start| image.rgba[start..start + side].iter().all(|rgba| rgba[3] > 0.0))
         };
-        let full: Vec<bool> =
-            (0..width * height).into_par_iter().map(|at| is_covered(at % width, at / width)).collect();
+        let full = parallel::map(width * height, |at| is_covered(at % width, at / width));
         let is_inside = |at: usize| {
             let (x, y) = (at % width, at / width);
             let mut rows = y.saturating_sub(1)..height.min(y + 2);
             rows.all(|row| (x.saturating_sub(1)..width.min(x + 2)).all(|column| full[row * width + column]))
         };
-        let inside: Vec<bool> = (0..width * height).into_par_iter().map(is_inside).collect();
+        let inside = parallel::map(width * height, is_inside);
         let pixels = inside.iter().filter(|inside| **inside).count() as u64;
         Self { inside, pixels }
     }
