@@ -220,11 +220,8 @@ fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scale
     };
     let shown = {
         // Without clips positions don't matter.
-        let positions: Vec<DVec3> = if clips.is_empty() {
-            Vec::new()
-        } else {
-            parallel::map_each(&cloud.positions, |p| settings.placed(*p))
-        };
+        let positions: Vec<DVec3> =
+            if clips.is_empty() { Vec::new() } else { parallel::map_each(&cloud.positions, |p| settings.placed(*p)) };
         seen(rules.visible_points(count), clips, &positions)
     };
     let opacity = settings.surface_opacity.unwrap_or(settings.opacity);
