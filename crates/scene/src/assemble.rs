@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use pellucid_core::progress::{Phase, Progress};
-use rayon::prelude::*;
 
 use super::classes::{self, Rules};
 use super::clip::Clips;
@@ -23,6 +22,7 @@ use crate::prepare::Arranged;
 use crate::prepare::ensembles;
 use pellucid_core::cloud::shadow_texture::ShadowTexture;
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 use pellucid_io as io;
 
@@ -294,14 +294,14 @@ pub(super) fn transformed(
         gaussians::placed(settings, all, paint, |i| rules.color(i).is_some())
     });
     let radii: Vec<f32> = match found.radii.as_deref().or(cloud.own_radii()) {
-        Some(radii) => radii.par_iter().map(|own| radius(settings, Some(*own))).collect(),
+        Some(radii) => parallel::map_each(radii, |own| radius(settings, Some(*own))),
         None => vec![radius(settings, None); count],
     };
     let radii = gaussians.as_ref().map_or(radii, gaussians::radii);
     let base = Opacity { settings, estimated: found.uncapped.as_deref(), neighbors: request.neighbors_of(&cloud) };
     let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
-    let opacities = (0..count).into_par_iter().map(one).collect();
-    cloud.positions.par_iter_mut().for_each(|position| *position = settings.placed(*position));
+    let opacities = parallel::map(count, one);
+    parallel::for_each_mut(&mut cloud.positions, |_, position| *position = settings.placed(*position));
     let seen = seen(visible, clips, &cloud.positions);
     let mut points = Points {
         positions: cloud.positions,

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::error::Error;
 use super::settings::{ClassSettings, CloudSettings, Selection};
 use pellucid_core::cloud::{CLASSIFICATION_NAMES, Cloud, field};
 use pellucid_core::color;
+use pellucid_core::parallel;
 
 /// The entries of a cloud that tell anything about its points.
 #[derive(Debug, Clone, Default)]
@@ -91,7 +91,7 @@ impl<'a> Rules<'a> {
     pub fn visible_points(&self, count: usize) -> Option<Vec<bool>> {
         let hides = self.rules.iter().any(|rule| rule.settings.visible == Some(false));
         let visible = |i| self.last(i, |entry| entry.visible).unwrap_or(true);
-        hides.then(|| (0..count).into_par_iter().map(visible).collect())
+        hides.then(|| parallel::map(count, visible))
     }
 
     /// Returns the number of the rules.
@@ -131,7 +131,7 @@ impl<'a> Rules<'a> {
     /// Gives points the colors of their classes.
     pub fn paint(&self, colors: &mut [Vec3]) {
         if self.rules.iter().any(|rule| rule.settings.color.is_some()) {
-            colors.par_iter_mut().enumerate().for_each(|(i, color)| *color = self.color(i).unwrap_or(*color));
+            parallel::for_each_mut(colors, |i, color| *color = self.color(i).unwrap_or(*color));
         }
     }
 }

@@ -18,6 +18,7 @@ use pellucid_core::color::classes;
 use pellucid_core::color::colormap::{Colormap, mid_grey};
 use pellucid_core::color::decode_srgb_f64;
 use pellucid_core::color::scale::Scale;
+use pellucid_core::parallel;
 
 /// Classes other than 0 and 1 that a cloud must have to be colored by them.
 const ENOUGH_CLASSES: usize = 3;
@@ -238,15 +239,15 @@ impl<'a> Coloring<'a> {
             ColorBy::Classification => {
                 let codes = cloud.classification.as_ref().ok_or_else(|| self.lacking("classes"))?;
                 let table: Vec<Vec3> = (0..=u8::MAX).map(|code| linear(classes::srgb(code))).collect();
-                Ok(Colors::Each(codes.par_iter().map(|code| table[usize::from(*code)]).collect()))
+                Ok(Colors::Each(parallel::map_each(codes, |code| table[usize::from(*code)])))
             }
             ColorBy::Normal => {
                 let normals = cloud.normals.as_ref();
                 let normals = normals.ok_or_else(|| self.lacking("normals; `prepare --normals` stores some"))?;
-                Ok(Colors::Each(normals.par_iter().map(|normal| of_normal(*normal)).collect()))
+                Ok(Colors::Each(parallel::map_each(normals, |normal| of_normal(*normal))))
             }
             _ => {
-                let colors = self.mapped(self.values(fields)?.unwrap_or_default());
+                let colors = self.mapped(&self.values(fields)?.unwrap_or_default());
                 Ok(Colors::Each(if self.choice.modulated { self.modulated(colors) } else { colors }))
             }
         }
@@ -272,7 +273,7 @@ impl<'a> Coloring<'a> {
             | ColorBy::Uniform => return Ok(None),
             ColorBy::Height => {
                 let height = |p: &DVec3| self.vertical.up().dot(self.settings.placed(*p));
-                cloud.positions.par_iter().map(height).collect()
+                parallel::map_each(&cloud.positions, height)
             }
             ColorBy::Intensity => cloud.intensity.as_deref().map(doubles).ok_or_else(|| self.lacking("intensity"))?,
             ColorBy::Return => scalar(RETURN_NUMBER)?,
@@ -331,19 +332,21 @@ impl<'a> Coloring<'a> {
     }
 
     /// Colors of heights, darker where intensity is small.
-    fn modulated(&self, colors: Vec<Vec3>) -> Vec<Vec3> {
+    fn modulated(&self, mut colors: Vec<Vec3>) -> Vec<Vec3> {
         let Some(intensities) = &self.cloud.intensity else { return colors };
         let values = doubles(intensities);
         let scale = self.light(&values);
         let light = |value: f64| scale.place(value).map_or(1.0, |t| DARKEST + (1.0 - DARKEST) * t);
-        colors.into_par_iter().zip(values).map(|(color, value)| (color.as_dvec3() * light(value)).as_vec3()).collect()
+        let modulate = |i: usize, color: &mut Vec3| *color = (color.as_dvec3() * light(values[i])).as_vec3();
+        parallel::for_each_mut(&mut colors, modulate);
+        colors
     }
 
     /// The colors of values.
-    fn mapped(&self, values: Vec<f64>) -> Vec<Vec3> {
+    fn mapped(&self, values: &[f64]) -> Vec<Vec3> {
         let ColorSettings { colormap, reverse, .. } = &self.settings.coloring;
-        let (map, scale) = (colormap.map(), self.scale(&values));
-        values.into_par_iter().map(|value| of_value(&map, scale.place(value), *reverse)).collect()
+        let (map, scale) = (colormap.map(), self.scale(values));
+        parallel::map_each(values, |value| of_value(&map, scale.place(*value), *reverse))
     }
 }
 
@@ -361,7 +364,7 @@ fn linear(srgb: DVec3) -> Vec3 {
 }
 
 fn doubles(values: &[f32]) -> Vec<f64> {
-    values.par_iter().map(|value| f64::from(*value)).collect()
+    parallel::map_each(values, |value| f64::from(*value))
 }
 
 /// Returns how the points of each cloud are colored and why, a sentence for each.

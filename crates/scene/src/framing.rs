@@ -12,6 +12,7 @@ use super::surroundings;
 use super::view::Vertical;
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 
 /// Vertical field of view if the scene doesn't say, in degrees.
@@ -328,7 +329,7 @@ impl Spheres<'_> {
             if gains.is_empty() {
                 return state;
             }
-            let spheres: Vec<_> = gains.par_iter().map(|(_, group)| whole.spheres.of_group(*group)).collect();
+            let spheres: Vec<_> = parallel::map_each(&gains, |(_, group)| whole.spheres.of_group(*group));
             let each = spheres.iter().flatten().map(|(position, radius)| self.relative(*position, *radius));
             state = each.fold(state, &with);
             left.retain(|group| gains.iter().all(|(_, done)| done != group));

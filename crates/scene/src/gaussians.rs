@@ -8,6 +8,7 @@ use super::settings::CloudSettings;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::{self, Gaussians};
 use pellucid_core::color::encode_srgb_f64;
+use pellucid_core::parallel;
 
 /// Returns `true` if a cloud's points are drawn as the Gaussians that its file has.
 pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> bool {
@@ -36,11 +37,13 @@ pub(super) fn placed(
     let mut placed = gaussians.clone().with_degree(degree);
     let growth = growth(settings);
     if growth != 1.0 {
-        placed.extents.par_iter_mut().for_each(|extents| *extents = scaled(*extents, growth));
+        parallel::for_each_mut(&mut placed.extents, |_, extents| *extents = scaled(*extents, growth));
     }
     let own = |i: usize| paint.own && !painted(i);
-    placed.bases.par_iter_mut().enumerate().filter(|(i, _)| !own(*i)).for_each(|(i, base)| {
-        *base = paint.colors[i].to_array().map(|linear| encode_srgb_f64(linear.into()) as f32).into();
+    parallel::for_each_mut(&mut placed.bases, |i, base| {
+        if !own(i) {
+            *base = paint.colors[i].to_array().map(|linear| encode_srgb_f64(linear.into()) as f32).into();
+        }
     });
     let count = placed.coefficients().max(1);
     let plain = placed.harmonics.par_chunks_mut(count).enumerate().filter(|(i, _)| !own(*i));
@@ -75,7 +78,7 @@ fn scaled(extents: Vec3, factor: f64) -> Vec3 {
 
 /// Returns the largest reach of each Gaussian.
 pub(super) fn radii(all: &Gaussians) -> Vec<f32> {
-    all.extents.par_iter().map(|extents| gaussians::reach(*extents)).collect()
+    parallel::map_each(&all.extents, |extents| gaussians::reach(*extents))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::clip::Clips;
+use pellucid_core::parallel;
 use pellucid_core::points::{Points, Unseen};
 
 /// False for points that are not drawn, of points at these places in the scene; `None` if all are. `visible` is what
@@ -14,8 +15,8 @@ pub(super) fn seen(visible: Option<Vec<bool>>, clips: &Clips, positions: &[DVec3
     if clips.is_empty() {
         return visible;
     }
-    let is_seen = |(i, p): (usize, &DVec3)| visible.as_ref().is_none_or(|visible| visible[i]) && clips.keep(*p);
-    Some(positions.par_iter().enumerate().map(is_seen).collect())
+    let is_seen = |i: usize| visible.as_ref().is_none_or(|visible| visible[i]) && clips.keep(positions[i]);
+    Some(parallel::map(positions.len(), is_seen))
 }
 
 /// Drops points that are marked, and those that a huge `scale` or `translate` moved out of float64; sets those apart

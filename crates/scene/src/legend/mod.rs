@@ -14,6 +14,7 @@ use super::settings::ColorBy;
 use pellucid_core::color::colormap::Colormap;
 use pellucid_core::color::scale::Scale;
 use pellucid_core::color::{classes, encode_srgb_f64};
+use pellucid_core::parallel;
 
 pub use scale_bar::ScaleBar;
 
@@ -219,11 +220,8 @@ fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scale
     };
     let shown = {
         // Without clips positions don't matter.
-        let positions: Vec<DVec3> = if clips.is_empty() {
-            Vec::new()
-        } else {
-            cloud.positions.par_iter().map(|p| settings.placed(*p)).collect()
-        };
+        let positions: Vec<DVec3> =
+            if clips.is_empty() { Vec::new() } else { parallel::map_each(&cloud.positions, |p| settings.placed(*p)) };
         seen(rules.visible_points(count), clips, &positions)
     };
     let opacity = settings.surface_opacity.unwrap_or(settings.opacity);

@@ -3,6 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use pellucid_core::parallel;
+
 /// The axis along which a view goes.
 ///
 /// The paper keeps six orders, two for each axis. The second is the first read backward, so three do.
@@ -32,10 +34,9 @@ impl Axis {
 /// Returns the indices of all points by one of their coordinates, smallest first, equal ones by index. At most 2³²
 /// points.
 pub fn order(positions: &[DVec3], axis: usize) -> Vec<u32> {
-    let mut order: Vec<(u64, u32)> =
-        positions.par_iter().enumerate().map(|(i, p)| (ordered_bits(p[axis]), i as u32)).collect();
+    let mut order: Vec<(u64, u32)> = parallel::map(positions.len(), |i| (ordered_bits(positions[i][axis]), i as u32));
     order.par_sort_unstable();
-    order.into_par_iter().map(|(_, i)| i).collect()
+    parallel::map_each(&order, |(_, i)| *i)
 }
 
 /// Maps numbers to integers of the same order; both zeros to one.

@@ -31,6 +31,7 @@ use rayon::prelude::*;
 
 use crate::lists::Lists;
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 
 /// Diagonals of the box to a sphere's radius.
 const DIAGONAL: f64 = 50.0;
@@ -217,9 +218,9 @@ impl Grid {
     /// the last one all nearer ones too. `first` points were counted before, a multiple of [`BLOCK`]. The sums don't
     /// depend on the number of cores.
     fn count(&self, frame: &Frame, first: usize, points: &[DVec3], all: &mut [Band; RADII]) {
-        let count = |(block, points): (usize, &[DVec3])| {
+        let count = |block: usize| {
             let mut bands = [Band::default(); RADII];
-            for (i, &point) in points.iter().enumerate() {
+            for (i, &point) in points[block * BLOCK..].iter().take(BLOCK).enumerate() {
                 let local = frame.local(point);
                 for &center in self.cells.of(frame.cell(local)) {
                     let squared = self.centers[center as usize].distance_squared(local);
@@ -232,7 +233,7 @@ impl Grid {
             }
             bands
         };
-        let blocks: Vec<[Band; RADII]> = points.par_chunks(BLOCK).enumerate().map(count).collect();
+        let blocks: Vec<[Band; RADII]> = parallel::map(points.len().div_ceil(BLOCK), count);
         for bands in blocks {
             for (sum, band) in all.iter_mut().zip(bands) {
                 sum.pairs += band.pairs;

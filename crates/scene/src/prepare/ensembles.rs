@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use super::ties::Ties;
 use super::{density, order};
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 use pellucid_core::random::{key, threefry2x32};
 
@@ -285,7 +286,7 @@ impl Shuffle {
 fn shuffle(ids: &[u32], place: u32, seed: u64) -> Vec<u32> {
     let shuffle = Shuffle::new(place, seed);
     // Points are counted in 32 bits: more of them don't fit any device.
-    let mut order: Vec<(u64, u32)> = ids.par_iter().enumerate().map(|(i, id)| (shuffle.word(*id), i as u32)).collect();
+    let mut order: Vec<(u64, u32)> = parallel::map(ids.len(), |i| (shuffle.word(ids[i]), i as u32));
     order.par_sort_unstable();
     order.into_iter().map(|(_, index)| index).collect()
 }

@@ -5,6 +5,8 @@ use std::slice::IterMut;
 
 use rayon::prelude::*;
 
+use pellucid_core::parallel;
+
 /// Bits of a code.
 const CODE_BITS: u32 = 63;
 /// Bits of a digit at most: as many places as stay in the processor's cache with what is written to them.
@@ -86,7 +88,7 @@ fn scatter(count: usize, point: impl Fn(usize) -> Keyed + Sync, digit: Digit, to
         run.clone().for_each(|i| sizes[digit.of(point(i))] += 1);
         sizes
     };
-    let sizes: Vec<Vec<u32>> = runs.par_iter().map(count_run).collect();
+    let sizes: Vec<Vec<u32>> = parallel::map_each(&runs, count_run);
     let mut places: Vec<Vec<IterMut<'_, Keyed>>> = runs.iter().map(|_| Vec::with_capacity(digit.values())).collect();
     let mut totals = vec![0; digit.values()];
     let mut rest = to;
@@ -98,8 +100,8 @@ fn scatter(count: usize, point: impl Fn(usize) -> Keyed + Sync, digit: Digit, to
             rest = behind;
         }
     }
-    runs.into_par_iter().zip(places).for_each(|(run, mut places)| {
-        for i in run {
+    parallel::for_each_mut(&mut places, |run, places| {
+        for i in runs[run].clone() {
             let point = point(i);
             if let Some(place) = places[digit.of(point)].next() {
                 *place = point;

@@ -23,6 +23,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::neighbors::Places;
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 
 /// Spacings to d̃: two diagonals of a pixel at 60°.
@@ -68,7 +69,7 @@ fn of_run(positions: &[DVec3], stride: usize) -> Vec<f64> {
         return Vec::new();
     };
     let around = |place: usize| places.others(place, NEIGHBORS).1 * places.unit() * (PI / NEIGHBORS as f64).sqrt();
-    (0..places.len()).into_par_iter().step_by(stride).map(around).collect()
+    parallel::map(places.len().div_ceil(stride), |i| around(i * stride))
 }
 
 #[cfg(test)]

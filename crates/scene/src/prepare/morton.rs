@@ -3,11 +3,11 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::keyed::{self, Keyed};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::morton::{BITS, spread};
+use pellucid_core::parallel;
 
 /// Returns the 63-bit Morton code of each position in its bounds.
 ///
@@ -15,7 +15,7 @@ use pellucid_core::morton::{BITS, spread};
 /// one. An empty box gives code 0 for all.
 pub(super) fn codes(positions: &[DVec3], bounds: &Bounds) -> Vec<u64> {
     let cells = Cells::of(bounds);
-    positions.par_iter().map(|p| cells.code(*p)).collect()
+    parallel::map_each(positions, |p| cells.code(*p))
 }
 
 /// The cells that a box is cut into.

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::keyed::{self, Keyed};
 use super::morton::{self, Cells};
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 
 /// Sorts the points that are drawn along the Morton curve of the scene's bounds, equal cells by the bits of position,
@@ -22,7 +23,7 @@ pub fn canonical(mut points: Points) -> Points {
     let mut points = points.in_order(|place| order[place] as usize);
     points.file_order = match before.is_empty() {
         true => order,
-        false => order.par_iter().map(|&i| before.get(i as usize).copied().unwrap_or(i)).collect(),
+        false => parallel::map_each(&order, |&i| before.get(i as usize).copied().unwrap_or(i)),
     };
     points
 }
@@ -43,7 +44,7 @@ pub fn merged(parts: &[Arc<Points>], bounds: &Bounds) -> Vec<[u32; 2]> {
         cells.code(points.positions[at])
     };
     let order = keyed::sorted(all.len() as u32, code, &|a, b| by_content(at(a), at(b)));
-    order.into_par_iter().map(|keyed| all[keyed.index as usize]).collect()
+    parallel::map_each(&order, |keyed| all[keyed.index as usize])
 }
 
 /// The indices alone. They take the memory of what they stood in, of which the rest is given back.

@@ -11,6 +11,7 @@ use pellucid_core::progress::Progress;
 use rayon::prelude::*;
 
 use super::neighbors::{Again, Lists, Places, least_of_median};
+use pellucid_core::parallel;
 
 /// Default of the cap.
 pub const DEFAULT_CAP: f32 = 4.0;
@@ -57,8 +58,8 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
     if cap == 0.0 {
         return distances;
     }
-    let ranks = 0..places.order.len() as u32;
-    let by_rank: Vec<f64> = ranks.into_par_iter().map(|rank| distances[places.place_of(rank)]).collect();
+    let of_rank = |rank: usize| distances[places.place_of(rank as u32)];
+    let by_rank: Vec<f64> = parallel::map(places.order.len(), of_rank);
     let one = |around: &mut Vec<f64>, place: usize, others: &[u32]| {
         let own = distances[place];
         // Enough of the radii around are large enough, and so is their median: nearly all places.
@@ -93,7 +94,7 @@ pub(super) fn median(values: &mut [f64]) -> f64 {
 /// Eq. 20 for every point of a cloud, in the cloud's order, from the distance of the last neighbor of each place.
 pub(super) fn of_distances(places: &Places, ranks: &[u32], k: usize, distances: &[f64]) -> Vec<f32> {
     let of_rank = |rank: &u32| of_distance(distances[places.place_of(*rank)] * places.unit(), k);
-    ranks.par_iter().map(of_rank).collect()
+    parallel::map_each(ranks, of_rank)
 }
 
 /// Eq. 20: the radius of a point whose last of K neighbors is so far away.

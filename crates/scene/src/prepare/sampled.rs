@@ -6,10 +6,10 @@
 //! before it that was looked at: the density of a scan changes little over so short a way.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::neighbors::Places;
 use super::radius;
+use pellucid_core::parallel;
 
 /// Places whose neighbors are found, at most.
 const SAMPLES: usize = 2048;
@@ -46,7 +46,7 @@ fn sample_by(positions: &[DVec3], own: Option<&[f32]>, (neighbors, cap): (usize,
 fn spacing(places: &Places, step: usize) -> Option<f64> {
     // As many neighbors as there are points here: the last of them is the first one elsewhere.
     let nearest = |place: usize| places.others(place, places.members(place).len()).1 * places.unit();
-    let mut all: Vec<f64> = (0..places.len()).into_par_iter().step_by(step).map(nearest).collect();
+    let mut all: Vec<f64> = parallel::map(places.len().div_ceil(step), |i| nearest(i * step));
     (places.len() > 1).then(|| radius::median(&mut all))
 }
 
@@ -55,8 +55,7 @@ fn radii(places: &Places, step: usize, k: usize, cap: f32) -> Vec<f32> {
     if k == 0 {
         return vec![0.0; places.order.len()];
     }
-    let looked_at: Vec<f64> =
-        (0..places.len()).into_par_iter().step_by(step).map(|place| distance(places, place, k, cap)).collect();
+    let looked_at: Vec<f64> = parallel::map(places.len().div_ceil(step), |i| distance(places, i * step, k, cap));
     let of_place = |place: usize| radius::of_distance(looked_at[place / step] * places.unit(), k);
     (0..places.len()).flat_map(|place| std::iter::repeat_n(of_place(place), places.members(place).len())).collect()
 }

@@ -9,6 +9,7 @@ use super::neighbors::{Again, Lists, Places};
 use super::normal::{Moments, SmallestAxis, smallest_axes};
 use super::radius;
 use pellucid_core::cloud::field;
+use pellucid_core::parallel;
 
 /// The result of one pass over every point's neighbors, in the order of the cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -112,33 +113,36 @@ pub(super) fn see(
         (distance, moments)
     };
     let again = if wants.fields { Again::All } else { radius::again(cap) };
-    let (seen, lists) = places.visit_blocks(k, again, progress, see, |seen| {
+    let (seen, lists): (Vec<(f64, SmallestAxis)>, Lists) = places.visit_blocks(k, again, progress, see, |seen| {
         let (distances, moments): (Vec<f64>, Vec<Moments>) = seen.into_iter().unzip();
         let axes = if missing { smallest_axes(&moments) } else { vec![SmallestAxis::default(); moments.len()] };
         distances.into_iter().zip(axes).collect()
     });
-    let (distances, axes): (Vec<f64>, Vec<SmallestAxis>) = seen.into_par_iter().unzip();
+    let distances = parallel::map_each(&seen, |(distance, _)| *distance);
+    let axes = parallel::map_each(&seen, |(_, axis)| *axis);
+    drop(seen);
     let ranks = places.ranks();
-    let last = ranks.par_iter().map(|&rank| distances[places.place_of(rank)] * places.unit()).collect();
+    let last = parallel::map_each(&ranks, |&rank| distances[places.place_of(rank)] * places.unit());
     let uncapped = radius::of_distances(places, &ranks, k, &distances);
     let distances = radius::capped(places, (k, cap), &lists, distances);
 
-    let shape = |rank: u32| match given.map_or(Vec3::ZERO, |normals| normals[places.order[rank as usize]]) {
+    let shape = |rank: usize| match given.map_or(Vec3::ZERO, |normals| normals[places.order[rank]]) {
         Vec3::ZERO if lacks => {
-            let estimated = axes[places.place_of(rank)];
+            let estimated = axes[places.place_of(rank as u32)];
             (estimated.direction, estimated.planar)
         }
         own => (own, false),
     };
-    let ranked: Vec<(Vec3, bool)> = (0..ranks.len() as u32).into_par_iter().map(shape).collect();
+    let ranked: Vec<(Vec3, bool)> = parallel::map(ranks.len(), shape);
     let spreads = if wants.fields {
         let spreads = spreads(places, &lists, k, &distances, &ranked);
-        ranks.par_iter().map(|&rank| spreads[rank as usize]).collect()
+        parallel::map_each(&ranks, |&rank| spreads[rank as usize])
     } else {
         Vec::new()
     };
     let radii = radius::of_distances(places, &ranks, k, &distances);
-    let (normals, planar) = ranks.par_iter().map(|&rank| ranked[rank as usize]).unzip();
+    let normals = parallel::map_each(&ranks, |&rank| ranked[rank as usize].0);
+    let planar = parallel::map_each(&ranks, |&rank| ranked[rank as usize].1);
     UnscaledEstimates {
         surface: SurfaceEstimates { radii, uncapped, normals, planar, fields: Vec::new() },
         spreads,

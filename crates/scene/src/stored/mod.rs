@@ -31,6 +31,7 @@ use crate::supply::{Block, Branch, Failure, Keep, Supply};
 use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::parallel;
 use pellucid_core::points::{Anchor, Points, Spheres, Unseen, WholeScene, WholeSplats};
 use pellucid_core::progress::{Phase, Progress};
 use pellucid_io as io;
@@ -335,7 +336,7 @@ impl Supply for Nodes {
     }
 
     fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure> {
-        let read = |block: &u32| {
+        let read = |block: &u32| -> Result<_, Failure> {
             progress.check()?;
             let points = self.part(*block as usize)?;
             let corners = self.blocks[*block as usize].bounds.corners();
@@ -351,12 +352,12 @@ impl Supply for Nodes {
             let kept: Vec<u32> = (0..points.len() as u32).filter(keeps).collect();
             Ok(Arc::new(Points { unseen: Arc::default(), ..points.subset(&kept, 1.0) }))
         };
-        let parts = blocks.par_iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
+        let parts = parallel::try_map_each(blocks, read)?;
         let picked = order::merged(&parts, &self.bounds);
         let mut points = Points::gather(&parts, &picked);
         if let Some(grows) = keep.grows {
-            let all = points.positions.par_iter().zip(&picked).with_min_len(1 << 12);
-            let factors: Vec<f32> = all.map(|(position, [part, _])| grows(*position, blocks[*part as usize])).collect();
+            let factor = |i: usize| grows(points.positions[i], blocks[picked[i][0] as usize]);
+            let factors = parallel::map(picked.len(), factor);
             crate::supply::grow(&mut points, &factors);
         }
         Ok(points)

@@ -3,7 +3,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::super::settings::CloudSettings;
 use crate::batches::batches;
@@ -11,6 +10,7 @@ use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::field::{self, Field};
 use pellucid_core::cloud::sampling::Sampling;
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 use pellucid_io::store::{Store, StoreSurvey, Summary};
 
@@ -118,7 +118,7 @@ fn survey(
     for batch in batches(nodes.iter().map(|node| store.nodes()[*node].points), most, BATCH) {
         let cancelled = |_| pellucid_io::Error::Cancelled { path: summary.path.clone() };
         progress.check().map_err(cancelled)?;
-        let parts = nodes[batch].par_iter().map(|node| look(*node)).collect::<Result<Vec<_>, crate::OpenError>>()?;
+        let parts = parallel::try_map_each(&nodes[batch], |node| look(*node))?;
         for (facts, sample, [least, most]) in parts {
             found.facts = found.facts.and(&facts);
             found.sample.append(sample);

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::tree::BlockTree;
 use super::{Block, Failure, Keep, Scale, Supply, grown};
 use pellucid_core::cloud::sampling;
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
 
@@ -247,7 +248,7 @@ fn counts(
     let (mut some, mut points) = (Vec::new(), 0);
     let mut look = |some: &mut Vec<u32>| -> Result<(), Failure> {
         let points = whole.take(some, Keep::those(&|position, _, _| (picture.shows)(position)), progress)?;
-        let bins: Vec<usize> = points.positions.par_iter().map(|position| bin(random.own_px(*position))).collect();
+        let bins = parallel::map_each(&points.positions, |position| bin(random.own_px(*position)));
         bins.into_iter().for_each(|bin| counts[bin] += 1);
         some.clear();
         Ok(())

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 pub use cut::{Cut, CutPicture, Limits};
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 use pellucid_core::points::{Points, Unseen};
 use pellucid_core::progress::{Cancelled, Progress};
 pub use scale::Scale;
@@ -95,8 +96,11 @@ impl<'a> Keep<'a> {
 pub(crate) fn grow(points: &mut Points, factors: &[f32]) {
     let Points { radii, gaussians, .. } = points;
     let is_disc = |i: usize| gaussians.as_ref().is_none_or(|all| !all.is_one(i));
-    let discs = radii.par_iter_mut().zip(factors).enumerate().with_min_len(1 << 12).filter(|(i, _)| is_disc(*i));
-    discs.for_each(|(_, (radius, factor))| *radius = grown(*radius, *factor));
+    parallel::for_each_mut(radii, |i, radius| {
+        if is_disc(i) {
+            *radius = grown(*radius, factors[i]);
+        }
+    });
 }
 
 /// Returns a radius times a factor, finite.
@@ -218,7 +222,7 @@ impl Supply for HeldPoints {
             let keeps = |place: &usize| (keep.keeps)(positions[*place], *block, self.points.reach(*place));
             all.filter(keeps).map(|place| place as u32).collect()
         };
-        let places: Vec<Vec<u32>> = blocks.par_iter().map(places).collect();
+        let places: Vec<Vec<u32>> = parallel::map_each(blocks, places);
         let factors: Option<Vec<f32>> = keep.grows.map(|grows| {
             let of_block = |(block, places): (&u32, &Vec<u32>)| -> Vec<f32> {
                 places.iter().map(|place| grows(positions[*place as usize], *block)).collect()

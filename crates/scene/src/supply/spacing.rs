@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use pellucid_core::cloud::Bounds;
 use pellucid_core::morton::{BITS, spread};
+use pellucid_core::parallel;
 
 /// Points in a cell on average, at most: few cells of a surface are without any then.
 const IN_CELL: usize = 16;
@@ -25,7 +26,7 @@ pub fn spacing(sampled: &[DVec3], count: u64) -> f64 {
         let [x, y, z] = cell.to_array().map(|x| spread((x as u64).min((1 << BITS) - 1)));
         x | y << 1 | z << 2
     };
-    let mut codes: Vec<u64> = sampled.par_iter().map(code).collect();
+    let mut codes = parallel::map_each(sampled, code);
     codes.par_sort_unstable();
     let cells_at = |level: u32| {
         let shift = 3 * (BITS - level);

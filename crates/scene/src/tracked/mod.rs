@@ -36,6 +36,7 @@ use crate::prepare::{Arranged, FieldKey, RadiusKey, ShadingNormals};
 use origins::Origins;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::Gaussians;
+use pellucid_core::parallel;
 use pellucid_core::points::{Changes, Points, Unseen};
 
 /// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
@@ -182,12 +183,11 @@ impl CloudView<'_> {
     /// All points, with marks on the remaining ones if some are not drawn.
     fn points(&self, clips: &Clips) -> (Points, Option<Vec<bool>>) {
         let count = self.cloud.len();
-        let all = || (0..count).into_par_iter();
         let mut points = Points {
-            positions: self.cloud.positions.par_iter().map(|p| self.settings.placed(*p)).collect(),
-            colors: all().map(|i| self.color(i)).collect(),
-            opacities: all().map(|i| self.opacity(i)).collect(),
-            radii: all().map(|i| self.radius(i)).collect(),
+            positions: parallel::map_each(&self.cloud.positions, |p| self.settings.placed(*p)),
+            colors: parallel::map(count, |i| self.color(i)),
+            opacities: parallel::map(count, |i| self.opacity(i)),
+            radii: parallel::map(count, |i| self.radius(i)),
             normals: assemble::shown(self.normals.map(<[Vec3]>::to_vec)),
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
             ..Points::default()

@@ -4,8 +4,6 @@ use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use rayon::prelude::*;
-
 use super::buckets::{BucketPlan, Buckets, Words, points_of};
 use super::pile::{FileExtent, Pile};
 use super::places::{self, Places};
@@ -15,6 +13,7 @@ use crate::batches::batches;
 use crate::prepare::ensembles::Shuffle;
 use crate::prepare::morton::Cells;
 use crate::prepare::{keyed, order};
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
 use pellucid_io::Error;
@@ -81,7 +80,8 @@ impl List {
         let (mut seen, mut len) = (None, 0);
         for batch in batches(source.blocks.iter().copied(), settings.memory / 4 / READ_BYTES, usize::MAX) {
             check(&source, progress)?;
-            for (own, points) in batch.into_par_iter().map(look).collect::<Result<Vec<_>, Error>>()? {
+            let blocks: Vec<usize> = batch.collect();
+            for (own, points) in parallel::try_map_each(&blocks, |block| look(*block))? {
                 seen = [seen, own].into_iter().flatten().reduce(PointSummary::and);
                 len += points;
             }
@@ -204,7 +204,8 @@ impl List {
         };
         for batch in batches(source.blocks.iter().copied(), self.memory / 4 / READ_BYTES, usize::MAX) {
             check(source, progress)?;
-            for [alone, others] in batch.into_par_iter().map(read).collect::<Result<Vec<_>, Error>>()? {
+            let blocks: Vec<usize> = batch.collect();
+            for [alone, others] in parallel::try_map_each(&blocks, |block| read(*block))? {
                 buckets.add_all(&alone.0, &alone.1)?;
                 if let Some(sharing) = sharing.as_deref_mut() {
                     sharing.add_all(&others.0, &others.1)?;
@@ -250,14 +251,15 @@ impl List {
     }
 
     fn records(&self, points: &Points, order: &[u32]) -> Vec<u32> {
-        let part = |order: &[u32]| {
+        let part = |order: &&[u32]| {
             let mut words = Vec::with_capacity(order.len() * self.layout.words());
-            for at in order {
+            for at in *order {
                 self.layout.put(points, *at as usize, points.dealt_ids[*at as usize], &mut words);
             }
             words
         };
-        order.par_chunks(1 << 14).map(part).collect::<Vec<_>>().concat()
+        let parts: Vec<&[u32]> = order.chunks(1 << 14).collect();
+        parallel::map_each(&parts, part).concat()
     }
 }
 

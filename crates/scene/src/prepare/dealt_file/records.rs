@@ -1,8 +1,8 @@
 //! Points as they stand in a file: everything that methods of ensembles need of them.
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 
 /// Layout of a point in the file.
@@ -42,15 +42,16 @@ impl RecordLayout {
 
     /// Returns the points that stand in some words, with their ids.
     pub fn points(self, words: &[u32]) -> Points {
-        let records = || words.par_chunks_exact(self.words()).with_min_len(1 << 10);
+        let (size, count) = (self.words(), words.len() / self.words());
+        let record = |i: usize| &words[i * size..][..size];
         let vector = |words: &[u32]| Vec3::from_array([words[0], words[1], words[2]].map(f32::from_bits));
-        let normals = self.has_normals.then(|| records().map(|record| vector(&record[WORDS..])).collect());
+        let normals = self.has_normals.then(|| parallel::map(count, |i| vector(&record(i)[WORDS..])));
         Points {
-            positions: records().map(position).collect(),
-            colors: records().map(|record| vector(&record[6..])).collect(),
-            opacities: records().map(|record| f32::from_bits(record[9])).collect(),
-            radii: records().map(|record| f32::from_bits(record[10])).collect(),
-            dealt_ids: records().map(Self::id).collect(),
+            positions: parallel::map(count, |i| position(record(i))),
+            colors: parallel::map(count, |i| vector(&record(i)[6..])),
+            opacities: parallel::map(count, |i| f32::from_bits(record(i)[9])),
+            radii: parallel::map(count, |i| f32::from_bits(record(i)[10])),
+            dealt_ids: parallel::map(count, |i| Self::id(record(i))),
             normals,
             ..Points::default()
         }
@@ -58,7 +59,8 @@ impl RecordLayout {
 
     /// Decodes the positions of the records alone.
     pub fn positions(self, words: &[u32]) -> Vec<DVec3> {
-        words.par_chunks_exact(self.words()).with_min_len(1 << 10).map(position).collect()
+        let size = self.words();
+        parallel::map(words.len() / size, |i| position(&words[i * size..][..size]))
     }
 }
 

@@ -19,6 +19,7 @@ use self::tree::{LEAF, PlaceTree};
 use super::keyed::Keyed;
 use super::morton;
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 
 /// Places between two steps of the progress bar.
 const BLOCK: usize = 1 << 12;
@@ -110,11 +111,11 @@ impl Places {
         };
         let mut keyed = morton::sorted(positions, bounds, by_content);
         keyed.par_chunk_by_mut(|a, b| a.code() == b.code()).for_each(|cell| refine(cell, positions, &by_content));
-        let order: Vec<usize> = keyed.par_iter().map(|keyed| keyed.index as usize).collect();
-        let positions: Vec<DVec3> = order.par_iter().map(|&index| positions[index]).collect();
+        let order: Vec<usize> = parallel::map_each(&keyed, |keyed| keyed.index as usize);
+        let positions: Vec<DVec3> = parallel::map_each(&order, |&index| positions[index]);
         let is_first = |rank: &u32| *rank == 0 || positions[*rank as usize] != positions[*rank as usize - 1];
         let mut starts: Vec<u32> = (0..positions.len() as u32).into_par_iter().filter(is_first).collect();
-        let codes: Vec<u64> = starts.par_iter().map(|&rank| keyed[rank as usize].code()).collect();
+        let codes: Vec<u64> = parallel::map_each(&starts, |&rank| keyed[rank as usize].code());
         let unit = unit(bounds);
         let columns = Columns::new(&positions, &starts, unit);
         let tree = PlaceTree::new(&columns, &codes);
@@ -246,25 +247,23 @@ impl Places {
     ) -> (Vec<U>, Lists) {
         progress.set_length(self.len() as u64);
         let keep = again != Again::No && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
-        let blocks: Vec<(Vec<U>, Kept)> = (0..self.len().div_ceil(BLOCK))
-            .into_par_iter()
-            .map(|block| {
-                let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
-                let mut kept = Kept::default();
-                let mut seen = Vec::with_capacity(places.len());
-                let mut ranks = Vec::with_capacity(k);
-                self.search(places.clone(), k, |place, found| {
-                    let distance = self.take(place, k, found, &mut ranks);
-                    seen.push(see(place, &ranks, distance));
-                    if keep {
-                        let again = again.wants(k, found.squared, distance);
-                        kept.add(again.then_some(ranks.as_slice()));
-                    }
-                });
-                progress.inc(places.len() as u64);
-                (finish(seen), kept)
-            })
-            .collect();
+        let mut blocks: Vec<(Vec<U>, Kept)> = Vec::new();
+        blocks.resize_with(self.len().div_ceil(BLOCK), Default::default);
+        parallel::for_each_mut(&mut blocks, |block, (finished, kept)| {
+            let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
+            let mut seen = Vec::with_capacity(places.len());
+            let mut ranks = Vec::with_capacity(k);
+            self.search(places.clone(), k, |place, found| {
+                let distance = self.take(place, k, found, &mut ranks);
+                seen.push(see(place, &ranks, distance));
+                if keep {
+                    let again = again.wants(k, found.squared, distance);
+                    kept.add(again.then_some(ranks.as_slice()));
+                }
+            });
+            progress.inc(places.len() as u64);
+            *finished = finish(seen);
+        });
         let mut all = Vec::with_capacity(self.len());
         let (finished, kept): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
         finished.into_iter().for_each(|finished| all.extend(finished));

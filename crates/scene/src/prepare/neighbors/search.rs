@@ -8,9 +8,9 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::tree::{Cuboid, LEAF, Node, PlaceTree};
+use pellucid_core::parallel;
 
 /// Places in the leaves around one, above which each of its places is looked for by itself.
 const MOST_AROUND: usize = 4096;
@@ -36,7 +36,7 @@ impl Columns {
     /// Builds the search from positions by rank, and the first rank of each place.
     pub fn new(positions: &[DVec3], starts: &[u32], unit: f64) -> Self {
         let per_unit = 1.0 / unit;
-        let column = |axis: usize| starts.par_iter().map(|&rank| positions[rank as usize][axis] * per_unit).collect();
+        let column = |axis: usize| parallel::map_each(starts, |&rank| positions[rank as usize][axis] * per_unit);
         Self { x: column(0), y: column(1), z: column(2) }
     }
 

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, UVec3};
-use rayon::prelude::*;
 
 use super::super::morton;
 use super::source::RegionStore;
 use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::morton::BITS;
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 use pellucid_io::Error;
 use pellucid_io::store::Store;
@@ -31,7 +31,7 @@ impl Region {
     /// Tells for each of some positions if it is in the region.
     pub fn holds(self, positions: &[DVec3], bounds: &Bounds) -> Vec<bool> {
         let codes = morton::codes(positions, bounds);
-        codes.into_par_iter().map(|code| code >> (3 * (BITS - self.level)) == self.code).collect()
+        parallel::map_each(&codes, |code| *code >> (3 * (BITS - self.level)) == self.code)
     }
 
     /// Returns its box, to rounding.
@@ -62,12 +62,12 @@ pub(super) fn regions<T: Send>(
     let nodes: Vec<usize> = (0..source.octree.nodes().len()).collect();
     for batch in nodes.chunks(BATCH) {
         progress.check().map_err(|_| Error::Cancelled { path: source.octree.summary().path.clone() })?;
-        let read = batch.par_iter().map(|node| {
+        let read = |node: &usize| -> Result<_, Error> {
             let cloud = source.octree.read(*node)?.cloud;
             progress.inc(cloud.len() as u64);
             Ok((morton::codes(&cloud.positions, &source.bounds), see(&cloud)))
-        });
-        for (codes, seen) in read.collect::<Result<Vec<_>, Error>>()? {
+        };
+        for (codes, seen) in parallel::try_map_each(batch, read)? {
             codes.into_iter().for_each(|code| *counts.entry(code >> (3 * (BITS - LEVELS))).or_default() += 1);
             take(seen);
         }

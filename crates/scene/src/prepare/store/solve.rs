@@ -1,7 +1,6 @@
 //! The values of the points of a region.
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::super::neighbors::Places;
 use super::super::surface::{self, UnscaledEstimates};
@@ -10,6 +9,7 @@ use super::source::{Local, RegionStore, SpaceRegion};
 use super::values::{Value, Values};
 use super::{Error, ValuePlan};
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 use pellucid_io as io;
 
@@ -63,7 +63,7 @@ impl Solver<'_> {
             let found = valid.iter().map(|i| (local.places[*i], self.value(&seen, *i))).collect();
             values.write(found)?;
             let alone = |i: &usize| self.alone(local.places[*i], local.positions[*i], seen.last[*i]);
-            let found = left.par_iter().map(alone).collect::<Result<Vec<_>, _>>()?;
+            let found = parallel::try_map_each(&left, alone)?;
             return Ok(values.write(found)?);
         }
     }

@@ -1,10 +1,10 @@
 //! The points of a store in a part of space.
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::super::morton;
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 use pellucid_io::Error;
 use pellucid_io::store::{Node, Octree, Piece, Store};
 
@@ -67,7 +67,7 @@ impl RegionStore {
         let nodes = self.octree.nodes().iter().enumerate();
         let touched: Vec<usize> =
             nodes.filter(|(_, node)| node.points > 0 && shape.touches(&node.bounds)).map(|(at, _)| at).collect();
-        let parts: Vec<Local> = touched.into_par_iter().map(|node| self.part(node, shape)).collect::<Result<_, _>>()?;
+        let parts = parallel::try_map_each(&touched, |node| self.part(*node, shape))?;
         let has_normals = self.octree.summary().like.normals.is_some();
         let mut all = Local { normals: has_normals.then(Vec::new), ..Local::default() };
         for part in parts {

@@ -19,10 +19,9 @@ mod trees;
 
 pub use store::Terrain;
 
-use rayon::prelude::*;
-
 use super::builder::CloudBuilder;
 use super::{Error, Generated, Given, MAX_POINTS, Parameter, count};
+use pellucid_core::parallel;
 use pellucid_io::store::Store;
 
 /// The name of the scene.
@@ -63,7 +62,7 @@ pub(super) fn generate([points]: [f64; 1], seed: u64) -> Result<Generated, Error
     cloud.classification.clone_from(&empty.classification);
     let tiles: Vec<usize> = (0..terrain.nodes().len()).collect();
     for some in tiles.chunks(BATCH) {
-        let parts: Vec<_> = some.par_iter().map(|tile| terrain.tile(*tile)).collect();
+        let parts = parallel::map_each(some, |tile| terrain.tile(*tile));
         for mut part in parts {
             // PLY files of scenes hold float32.
             part.positions.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());

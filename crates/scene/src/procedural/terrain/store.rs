@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::super::random::Random;
 use super::land::Land;
@@ -11,6 +10,7 @@ use super::scan::{columns, scan, weight};
 use super::site::Site;
 use super::{Error, NAME, RANGE};
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
+use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 use pellucid_io::store::build::{Built, Cube, Settings, Streamed, Types, stream};
 use pellucid_io::store::{Grid, Node, Piece, Store, Summary};
@@ -172,7 +172,7 @@ name = "auto"
             let site = self.site(index);
             (weight(&site), site.heights())
         };
-        let estimates: Vec<(f64, [f64; 2])> = (0..tiles).into_par_iter().map(estimate).collect();
+        let estimates: Vec<(f64, [f64; 2])> = parallel::map(tiles, estimate);
         let total: f64 = estimates.iter().map(|(weight, _)| weight).sum();
         let points = self.summary.points;
         self.density = points as f64 / total;
