@@ -10,7 +10,6 @@ pub mod light;
 pub mod metrics;
 #[doc(hidden)]
 pub mod morton;
-pub mod parallel;
 pub mod points;
 pub mod progress;
 pub mod random;
