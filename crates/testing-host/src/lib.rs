@@ -10,7 +10,7 @@ use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_reference::range::PictureRange;
-use pellucid_reference::{self as reference, Picture};
+use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{DiscShape, Discs, Falloff, Light, Raster, Shading};
 use rand::{RngExt, SeedableRng};
@@ -119,7 +119,7 @@ pub fn colors(points: &Points) -> Vec<DVec3> {
 }
 
 /// The exact image of transparent discs without shading, in float64.
-pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> Picture {
+pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> ReferencePicture {
     reference::abuffer::render(camera, size, points, &colors(points), discs)
 }
 
@@ -145,7 +145,7 @@ fn scene_in_order(points: &[P]) -> Points {
 }
 
 /// Largest difference in R, G, B, A, and the share of pixels that differ by more than `limit`.
-pub fn difference(image: &Image, reference: &Picture, limit: f64) -> (f64, f64) {
+pub fn difference(image: &Image, reference: &ReferencePicture, limit: f64) -> (f64, f64) {
     assert_eq!(image.rgba.len(), reference.rgba.len());
     let mut largest = 0f64;
     let mut over = 0usize;

@@ -263,7 +263,9 @@ impl Films {
         let progress = making(path, stills, console);
         let step = || progress.inc(1);
         match kind {
-            FilmFormat::Mp4 | FilmFormat::Webm => self.encode(made, (path, *kind), stills, caption, (console, &step))?,
+            FilmFormat::Mp4 | FilmFormat::Webm => {
+                self.encode(made, (path, *kind), stills, caption, (console, &step))?;
+            }
             FilmFormat::Gif => made.add(path, |out| gif::write(out, stills, self.fps, caption.closed, &step))?,
             FilmFormat::Apng => made.add(path, |out| animation::write(out, stills, self.fps, caption, &step))?,
         }

@@ -68,7 +68,7 @@ impl RankWork {
                     known.invocations = known.invocations.zip(pass.invocations).map(|(a, b)| a + b);
                 }
                 None => {
-                    self.passes.push(RankPass { name: pass.name.to_owned(), gpu_ms, invocations: pass.invocations })
+                    self.passes.push(RankPass { name: pass.name.to_owned(), gpu_ms, invocations: pass.invocations });
                 }
             }
         }
