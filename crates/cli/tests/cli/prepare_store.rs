@@ -139,7 +139,7 @@ fn a_run_that_ends_early_leaves_no_store_and_goes_on() {
 }
 
 #[test]
-#[ignore = "takes minutes: every 10,000th byte, every file that is made and every name that is given"]
+#[ignore = "takes a minute: every 10,000th byte, every file that is made and every name that is given"]
 fn a_run_that_ends_anywhere_goes_on() {
     let scan = scan_and_store();
     // Behind the first place that a run does not come to there is none that it does.
