@@ -127,11 +127,7 @@ both() {
 }
 
 # Suites on the host and on the device, all of them even if one fails.
-#
-# lavapipe draws with as many threads as there are cores. Where tests run beside each other, its threads only wait for
-# each other: without them the suites take a quarter less of the CPU. `lab` keeps them, since its sweeps of determinism
-# look for what depends on the order of workgroups.
-others=() devices=() lab=false
+others=() devices=()
 run_others() {
     local status=0
     if ((${#others[@]} > 0)); then tests "${others[@]}" || status=1; fi
@@ -139,23 +135,16 @@ run_others() {
     return $status
 }
 run_devices() {
-    local status=0
-    if ((${#devices[@]} > 0)); then LP_NUM_THREADS=0 tests "${devices[@]}" || status=1; fi
-    if $lab; then tests --test lab || status=1; fi
-    return $status
+    if ((${#devices[@]} > 0)); then tests "${devices[@]}"; fi
 }
 suites() {
     local beside="${other_suites[*]}"
     if $doc; then beside+=" units documentation"; fi
     others=("${units[@]}")
     if ((${#other_suites[@]} > 0)); then mapfile -t -O ${#others[@]} others < <(names "${other_suites[@]}"); fi
-    local name all=()
-    for name in "${device_suites[@]}"; do
-        all+=(--test "$name")
-        if [[ $name == lab ]]; then lab=true; else devices+=(--test "$name"); fi
-    done
+    if ((${#device_suites[@]} > 0)); then mapfile -t devices < <(names "${device_suites[@]}"); fi
     step "building the tests"
-    cargo test "${workspace[@]}" --no-run "${others[@]}" "${all[@]}"
+    cargo test "${workspace[@]}" --no-run "${others[@]}" "${devices[@]}"
     both "$beside" run_others "${device_suites[*]}" run_devices
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 use pellucid_io::store::{Octree, Store};
-use pellucid_testing::{long_or, root};
+use pellucid_testing::root;
 use tempfile::TempDir;
 
 use crate::{assert_refused, folder, inside, pellucid, run, write_cloud};
@@ -85,42 +85,44 @@ fn prepare(folder: &TempDir, output: &str, node_points: &str, fault: Option<&str
     command.output().unwrap()
 }
 
-/// Ends runs by a fault, then runs without: the same bytes come of it. How many runs were killed.
-fn end_early<'a>(faults: impl IntoIterator<Item = &'a str>) -> u32 {
+/// A scan, and its store in a run that nothing ended.
+fn scan_and_store() -> (TempDir, Vec<Vec<u8>>) {
     let folder = scan();
     assert!(prepare(&folder, "whole/store", "100", None).status.success());
     let whole = bytes(&inside(&folder, "whole/store"));
-    let mut killed = 0;
-    for fault in faults {
-        let status = prepare(&folder, "a/store", "100", Some(&format!("kill@{fault}"))).status;
-        killed += u32::from(status.signal() == Some(9));
-        let metadata = |parent: &str| inside(&folder, &format!("{parent}/store/metadata.json")).exists();
-        assert!(!metadata("a") || status.success() || fault.contains("renamed"), "{fault}");
-        let said = prepare(&folder, "b/store", "100", Some(&format!("disk-full@{fault}")));
-        let text = String::from_utf8_lossy(&said.stderr);
-        assert!(
-            said.status.success() || text.starts_with("error: b") && text.contains("free some space"),
-            "{fault}: {said:?}"
-        );
-        assert!(said.status.success() || !metadata("b"), "{fault}");
-        for parent in ["a", "b"] {
-            let store = format!("{parent}/store");
-            let again = prepare(&folder, &store, "100", None);
-            assert!(again.status.success(), "{fault}: {again:?}");
-            assert!(bytes(&inside(&folder, &store)) == whole, "{fault}");
-            // SIGKILL may leave a temporary file.
-            let left = fs::read_dir(inside(&folder, parent)).unwrap().map(|entry| entry.unwrap().file_name());
-            let left = left.filter(|name| !name.to_string_lossy().ends_with(".tmp")).count();
-            assert_eq!(left, 1, "{fault}: nothing is left beside");
-            fs::remove_dir_all(inside(&folder, parent)).unwrap();
-        }
+    (folder, whole)
+}
+
+/// Ends runs by a fault, then runs without: the same bytes come of it. Returns `true` if the fault was met.
+fn ends_early((folder, whole): &(TempDir, Vec<Vec<u8>>), fault: &str) -> bool {
+    let status = prepare(folder, "a/store", "100", Some(&format!("kill@{fault}"))).status;
+    let metadata = |parent: &str| inside(folder, &format!("{parent}/store/metadata.json")).exists();
+    assert!(!metadata("a") || status.success() || fault.contains("renamed"), "{fault}");
+    let said = prepare(folder, "b/store", "100", Some(&format!("disk-full@{fault}")));
+    let text = String::from_utf8_lossy(&said.stderr);
+    assert!(
+        said.status.success() || text.starts_with("error: b") && text.contains("free some space"),
+        "{fault}: {said:?}"
+    );
+    assert!(said.status.success() || !metadata("b"), "{fault}");
+    for parent in ["a", "b"] {
+        let store = format!("{parent}/store");
+        let again = prepare(folder, &store, "100", None);
+        assert!(again.status.success(), "{fault}: {again:?}");
+        assert!(bytes(&inside(folder, &store)) == *whole, "{fault}");
+        // SIGKILL may leave a temporary file.
+        let left = fs::read_dir(inside(folder, parent)).unwrap().map(|entry| entry.unwrap().file_name());
+        let left = left.filter(|name| !name.to_string_lossy().ends_with(".tmp")).count();
+        assert_eq!(left, 1, "{fault}: nothing is left beside");
+        fs::remove_dir_all(inside(folder, parent)).unwrap();
     }
-    killed
+    status.signal() == Some(9)
 }
 
 #[test]
 fn a_run_that_ends_early_leaves_no_store_and_goes_on() {
-    let killed = end_early([
+    let scan = scan_and_store();
+    let faults = [
         "output/byte:100",
         "output/byte:40000",
         "output/byte:100000",
@@ -131,18 +133,20 @@ fn a_run_that_ends_early_leaves_no_store_and_goes_on() {
         "output/rename:2",
         "output/rename:7",
         "output/rename:8",
-    ]);
+    ];
+    let killed = faults.iter().filter(|fault| ends_early(&scan, fault)).count();
     assert!(killed >= 7, "{killed}");
 }
 
 #[test]
-#[ignore = "takes minutes: every 10,000th byte, every file that is made and every name that is given"]
+#[ignore = "takes a minute: every 10,000th byte, every file that is made and every name that is given"]
 fn a_run_that_ends_anywhere_goes_on() {
-    let bytes = (1..60).step_by(long_or(1, 8)).map(|at| format!("output/byte:{}", 10_000 * at));
-    let places = (1..40).step_by(long_or(1, 8));
-    let others = places.flat_map(|at| ["create", "rename"].map(|point| format!("output/{point}:{at}")));
-    let faults: Vec<String> = bytes.chain(others).collect();
-    assert!(end_early(faults.iter().map(String::as_str)) > long_or(40, 5));
+    let scan = scan_and_store();
+    // Behind the first place that a run does not come to there is none that it does.
+    let killed = [("byte", 10_000), ("create", 1), ("rename", 1)].map(|(point, step)| {
+        (1..).take_while(|at| ends_early(&scan, &format!("output/{point}:{}", step * at))).count()
+    });
+    assert!(killed.iter().sum::<usize>() > 40, "{killed:?}");
 }
 
 #[test]
