@@ -6,6 +6,7 @@
 //! Loops that reduce, filter or sort are rayon's own.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use bytemuck::Zeroable;
 use bytemuck::allocation::zeroed_vec;
@@ -22,23 +23,23 @@ pub fn for_each_mut<T: Send>(elements: &mut [T], each: impl Fn(usize, &mut T) + 
 }
 
 /// Returns `of` each number below `count`, in order.
-pub fn map<T: Clone + Default + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let mut values = vec![T::default(); count];
-    for_each_mut(&mut values, |i, value| *value = of(i));
-    values
-}
-
-/// Returns `of` each number below `count`, in order, as [`map`] does, for columns of all points: all threads touch their
-/// memory first, since the kernel clears every page then.
-pub fn map_plain<T: Zeroable + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub fn map<T: Zeroable + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    // All threads touch the memory first, since the kernel clears every page then.
     let mut values = zeroed_vec(count);
     for_each_mut(&mut values, |i, value| *value = of(i));
     values
 }
 
 /// Returns `of` each element, in order.
-pub fn map_each<S: Sync, T: Clone + Default + Send>(elements: &[S], of: impl Fn(&S) -> T + Sync) -> Vec<T> {
+pub fn map_each<S: Sync, T: Zeroable + Send>(elements: &[S], of: impl Fn(&S) -> T + Sync) -> Vec<T> {
     map(elements.len(), |i| of(&elements[i]))
+}
+
+/// Returns `of` each number below `count`, in order, as [`map`] does, for values that own memory.
+pub fn gather<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut values: Vec<Option<T>> = std::iter::repeat_with(|| None).take(count).collect();
+    for_each_mut(&mut values, |i, value| *value = Some(of(i)));
+    values.into_iter().flatten().collect()
 }
 
 /// Returns `of` each element, in order.
@@ -50,21 +51,35 @@ pub fn try_map_each<S: Sync, T: Send, E: Send>(
     of: impl Fn(&S) -> Result<T, E> + Sync,
 ) -> Result<Vec<T>, E> {
     let failed = AtomicBool::new(false);
-    let mut results: Vec<Option<Result<T, E>>> = std::iter::repeat_with(|| None).take(elements.len()).collect();
-    for_each_mut(&mut results, |i, result| {
-        if !failed.load(Ordering::Relaxed) {
-            let found = of(&elements[i]);
-            failed.fetch_or(found.is_err(), Ordering::Relaxed);
-            *result = Some(found);
+    let result = |i: usize| {
+        if failed.load(Ordering::Relaxed) {
+            return None;
         }
-    });
-    results.into_iter().flatten().collect()
+        let found = of(&elements[i]);
+        failed.fetch_or(found.is_err(), Ordering::Relaxed);
+        Some(found)
+    };
+    gather(elements.len(), result).into_iter().flatten().collect()
 }
 
 /// Calls `each` with the index of a part's first element and the part, for all parts.
 fn for_parts<T: Send>(elements: &mut [T], each: &(dyn Fn(usize, &mut [T]) + Sync)) {
     let length = elements.len().div_ceil(PARTS * rayon::current_num_threads()).max(1);
-    elements.par_chunks_mut(length).enumerate().for_each(|(i, part)| each(i * length, part));
+    let parts = Mutex::new(elements.chunks_mut(length).enumerate());
+    on_all_threads(&|| {
+        loop {
+            // The lock is held for this line alone.
+            let next = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((i, part)) = next else { return };
+            each(i * length, part);
+        }
+    });
+}
+
+/// Calls `work` once for each thread. A thread that is busy elsewhere leaves its call to the others.
+#[inline(never)]
+fn on_all_threads(work: &(dyn Fn() + Sync)) {
+    (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| work());
 }
 
 #[cfg(test)]
@@ -75,7 +90,7 @@ mod tests {
     fn values_are_in_the_order_of_their_elements() {
         for count in [0, 1, 7, 1000, 100_003] {
             let triples: Vec<usize> = (0..count).map(|i| 3 * i).collect();
-            assert_eq!([map(count, |i| 3 * i), map_plain(count, |i| 3 * i)], [triples.clone(), triples]);
+            assert_eq!(map(count, |i| 3 * i), triples);
             let elements: Vec<u32> = (0..count as u32).rev().collect();
             assert_eq!(map_each(&elements, |x| x + 1), elements.iter().map(|x| x + 1).collect::<Vec<_>>());
             assert_eq!(try_map_each(&elements, |x| Ok::<_, ()>(*x)), Ok(elements));

@@ -362,7 +362,7 @@ impl Points {
             if is_uniform(&column) {
                 return column;
             }
-            parallel::map_plain(column.len(), |i| column[from(i)])
+            parallel::map(column.len(), |i| column[from(i)])
         }
         Self {
             positions: pick(self.positions, &from),
@@ -383,7 +383,7 @@ impl Points {
     pub fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
         fn pick<T: Pod + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
             let count = if column.is_empty() { 0 } else { places.len() };
-            parallel::map_plain(count, |i| column[places[i] as usize])
+            parallel::map(count, |i| column[places[i] as usize])
         }
         Self {
             positions: pick(&self.positions, places),
@@ -413,7 +413,7 @@ impl Points {
             if columns.iter().all(|column| column.is_empty()) {
                 return Vec::new();
             }
-            parallel::map_plain(picked.len(), |i| {
+            parallel::map(picked.len(), |i| {
                 let [part, at] = picked[i];
                 columns[part as usize][at as usize]
             })
@@ -457,7 +457,7 @@ impl Points {
     /// Normals of parts of which some have none, which are zeros.
     fn gathered_normals(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Vec<Vec3> {
         let of = |[part, at]: [u32; 2]| parts[part as usize].normals.as_ref().map(|normals| normals[at as usize]);
-        parallel::map_plain(picked.len(), |i| of(picked[i]).unwrap_or(Vec3::ZERO))
+        parallel::map(picked.len(), |i| of(picked[i]).unwrap_or(Vec3::ZERO))
     }
 
     /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are

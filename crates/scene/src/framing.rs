@@ -329,7 +329,7 @@ impl Spheres<'_> {
             if gains.is_empty() {
                 return state;
             }
-            let spheres: Vec<_> = parallel::map_each(&gains, |(_, group)| whole.spheres.of_group(*group));
+            let spheres: Vec<_> = parallel::gather(gains.len(), |i| whole.spheres.of_group(gains[i].1));
             let each = spheres.iter().flatten().map(|(position, radius)| self.relative(*position, *radius));
             state = each.fold(state, &with);
             left.retain(|group| gains.iter().all(|(_, done)| done != group));

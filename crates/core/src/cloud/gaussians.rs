@@ -125,9 +125,9 @@ impl Gaussians {
             each.flat_map_iter(|i| self.harmonics_of(from(i)).iter().copied()).collect()
         };
         Self {
-            extents: parallel::map_plain(count, |i| self.extents[from(i)]),
-            rotations: parallel::map_plain(count, |i| self.rotations[from(i)]),
-            bases: parallel::map_plain(count, |i| self.bases[from(i)]),
+            extents: parallel::map(count, |i| self.extents[from(i)]),
+            rotations: parallel::map(count, |i| self.rotations[from(i)]),
+            bases: parallel::map(count, |i| self.bases[from(i)]),
             degree: self.degree,
             harmonics,
         }

@@ -9,7 +9,7 @@ use crate::parallel;
 
 /// The values at these places; of a column that isn't there none.
 fn pick<T: Pod + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
-    parallel::map_plain(places.len(), |i| column[places[i] as usize])
+    parallel::map(places.len(), |i| column[places[i] as usize])
 }
 
 impl Cloud {

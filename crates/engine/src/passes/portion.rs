@@ -108,7 +108,7 @@ impl Portion {
     /// Returns the error of `see`, which ends the iteration.
     pub fn within<E>(&self, beam: &Beam, mut see: impl FnMut(Points) -> Result<(), E>) -> Result<(), E> {
         for some in beam.pick(&self.blocks).chunks(AT_ONCE) {
-            let taken = parallel::map_each(some, |block| self.taken(beam, *block as usize));
+            let taken = parallel::gather(some.len(), |i| self.taken(beam, some[i] as usize));
             taken.into_iter().filter(|points| !points.is_empty()).try_for_each(&mut see)?;
         }
         Ok(())

@@ -168,7 +168,7 @@ fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     let full = if largest <= 255 { 255 } else { u16::MAX };
     let table = linear_values(full);
     let value = |stored: u16| table[usize::from(stored.min(full))];
-    Some(parallel::map_plain(rgb.len(), |i| Vec3::from(rgb[i].map(value))))
+    Some(parallel::map(rgb.len(), |i| Vec3::from(rgb[i].map(value))))
 }
 
 #[cfg(test)]

@@ -152,7 +152,7 @@ impl Splats {
         let bases = &self.gaussians.bases;
         Cloud {
             positions: self.positions,
-            colors: Some(parallel::map_plain(bases.len(), |i| linear(bases[i]))),
+            colors: Some(parallel::map(bases.len(), |i| linear(bases[i]))),
             alphas: Some(self.alphas),
             gaussians: Some(self.gaussians),
             non_finite: self.without_center,

@@ -25,6 +25,7 @@ use std::convert::Infallible;
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use bytemuck::Zeroable;
 use glam::DVec3;
 use pellucid_core::progress::Progress;
 use rayon::prelude::*;
@@ -180,7 +181,7 @@ impl Frame {
 }
 
 /// The count between two radii: pairs, and the sum of d² in the frame's coordinates.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Default, Zeroable)]
 struct Band {
     pairs: u64,
     squares: f64,

@@ -83,12 +83,12 @@ impl Digit {
 fn scatter(count: usize, point: impl Fn(usize) -> Keyed + Sync, digit: Digit, to: &mut [Keyed]) -> Vec<usize> {
     let run = count.div_ceil(rayon::current_num_threads() * RUNS_PER_CORE).max(1);
     let runs: Vec<_> = (0..count).step_by(run).map(|start| start..count.min(start + run)).collect();
-    let count_run = |run: &std::ops::Range<usize>| {
+    let count_run = |i: usize| {
         let mut sizes = vec![0u32; digit.values()];
-        run.clone().for_each(|i| sizes[digit.of(point(i))] += 1);
+        runs[i].clone().for_each(|i| sizes[digit.of(point(i))] += 1);
         sizes
     };
-    let sizes: Vec<Vec<u32>> = parallel::map_each(&runs, count_run);
+    let sizes: Vec<Vec<u32>> = parallel::gather(runs.len(), count_run);
     let mut places: Vec<Vec<IterMut<'_, Keyed>>> = runs.iter().map(|_| Vec::with_capacity(digit.values())).collect();
     let mut totals = vec![0; digit.values()];
     let mut rest = to;

@@ -1,5 +1,6 @@
 //! The normal of a neighborhood: its smallest principal axis.
 
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
 /// Two principal axes whose variances differ by less than this share of the largest one are indistinguishable: rounding
@@ -13,7 +14,7 @@ const SWEEPS: usize = 16;
 const LANES: usize = 4;
 
 /// The direction in which a neighborhood varies least.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Zeroable)]
 pub(super) struct SmallestAxis {
     /// A unit vector whose last coordinate that is not 0 is positive.
     ///

@@ -217,12 +217,13 @@ impl Supply for HeldPoints {
 
     fn take(&self, blocks: &[u32], keep: Keep<'_>, _progress: &Progress) -> Result<Points, Failure> {
         let positions = &self.points.positions;
-        let places = |block: &u32| -> Vec<u32> {
-            let all = self.starts[*block as usize]..self.starts[*block as usize + 1];
-            let keeps = |place: &usize| (keep.keeps)(positions[*place], *block, self.points.reach(*place));
+        let places = |i: usize| -> Vec<u32> {
+            let block = blocks[i];
+            let all = self.starts[block as usize]..self.starts[block as usize + 1];
+            let keeps = |place: &usize| (keep.keeps)(positions[*place], block, self.points.reach(*place));
             all.filter(keeps).map(|place| place as u32).collect()
         };
-        let places: Vec<Vec<u32>> = parallel::map_each(blocks, places);
+        let places: Vec<Vec<u32>> = parallel::gather(blocks.len(), places);
         let factors: Option<Vec<f32>> = keep.grows.map(|grows| {
             let of_block = |(block, places): (&u32, &Vec<u32>)| -> Vec<f32> {
                 places.iter().map(|place| grows(positions[*place as usize], *block)).collect()

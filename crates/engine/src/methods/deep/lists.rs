@@ -21,7 +21,7 @@ pub(super) struct Wanted {
 /// Returns lengths and samples of a band's pixels, with the solid points behind them.
 pub(super) fn pixels(taken: &Taken<'_>, solids: Option<&Solids>, wanted: Wanted) -> (Vec<u32>, Vec<Sample>) {
     let count = taken.offsets.len() - 1;
-    let parts = parallel::map(count.div_ceil(PIXELS), |part| {
+    let parts = parallel::gather(count.div_ceil(PIXELS), |part| {
         let (mut lengths, mut samples) = (Vec::new(), Vec::new());
         for pixel in part * PIXELS..count.min((part + 1) * PIXELS) {
             let range = taken.offsets[pixel]..taken.offsets[pixel + 1];

@@ -251,15 +251,15 @@ impl List {
     }
 
     fn records(&self, points: &Points, order: &[u32]) -> Vec<u32> {
-        let part = |order: &&[u32]| {
+        let part = |order: &[u32]| {
             let mut words = Vec::with_capacity(order.len() * self.layout.words());
-            for at in *order {
+            for at in order {
                 self.layout.put(points, *at as usize, points.dealt_ids[*at as usize], &mut words);
             }
             words
         };
         let parts: Vec<&[u32]> = order.chunks(1 << 14).collect();
-        parallel::map_each(&parts, part).concat()
+        parallel::gather(parts.len(), |i| part(parts[i])).concat()
     }
 }
 

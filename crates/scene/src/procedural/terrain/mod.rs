@@ -62,7 +62,7 @@ pub(super) fn generate([points]: [f64; 1], seed: u64) -> Result<Generated, Error
     cloud.classification.clone_from(&empty.classification);
     let tiles: Vec<usize> = (0..terrain.nodes().len()).collect();
     for some in tiles.chunks(BATCH) {
-        let parts = parallel::map_each(some, |tile| terrain.tile(*tile));
+        let parts = parallel::gather(some.len(), |i| terrain.tile(some[i]));
         for mut part in parts {
             // PLY files of scenes hold float32.
             part.positions.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());
