@@ -126,7 +126,7 @@ fn recorded(shaders: &[Shader], made: &PipelineSource) -> Result<Recorded, Strin
     let unlisted = || format!("{}: no pass lists this variant: {}", made.label, made.variant.key());
     let wanted = key_without_numbers(&made.variant);
     // Passes of several methods may share a name, or a file.
-    let named = |shader: &Shader| shader.name == made.pass && shader.stem == made.stem;
+    let named = |shader: &Shader| shader.pass.name == made.pass && shader.pass.shader == made.stem;
     for (pass, shader) in shaders.iter().enumerate().filter(|(_, shader)| named(shader)) {
         let found = sized(shader, made.variant.subgroup).iter().position(|v| key_without_numbers(v) == wanted);
         if let Some(variant) = found {
@@ -199,7 +199,7 @@ mod tests {
             let first = of(SUBGROUPS[0]);
             with_subgroups += usize::from(!first.is_empty());
             for size in SUBGROUPS {
-                assert!(first == of(size), "{}: another order for {size}", shader.name);
+                assert!(first == of(size), "{}: another order for {size}", shader.pass.name);
             }
         }
         assert!(with_subgroups > 10, "{with_subgroups}");
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn a_pipeline_is_rebuilt_for_other_lanes() {
         let shaders = shaders();
-        let place = shaders.iter().position(|shader| shader.name == "radix/scatter").expect("it sorts");
+        let place = shaders.iter().position(|shader| shader.pass.name == "radix/scatter").expect("it sorts");
         let made = PipelineSource {
             label: "radix/scatter",
             pass: "radix/scatter",
@@ -218,7 +218,7 @@ mod tests {
         };
         let found = recorded(&shaders, &made).expect("listed");
         let (shader, variant, outputs) = found.rebuilt(&shaders, 32);
-        assert_eq!((shader.name, variant.subgroup, outputs), ("radix/scatter", Some(32), None));
+        assert_eq!((shader.pass.name, variant.subgroup, outputs), ("radix/scatter", Some(32), None));
         let (_, same, _) = found.rebuilt(&shaders, 8);
         assert_eq!(same, made.variant);
         let made_up = PipelineSource { variant: made.variant.clone().with("NOWHERE", 1), ..made };

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use super::pipeline::Pipeline;
-use super::{Device, Error, Outputs, Pass, Variant};
+use super::{Declaration, Device, Error, Outputs, Variant};
 
 /// A pipeline as the driver compiled it.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +35,12 @@ impl Device {
     /// # Errors
     /// The shader does not compile, or the device was opened without
     /// [`DeviceOptions::statistics`](super::DeviceOptions::statistics).
-    pub(super) fn compiled<P: Pass>(&self, variant: &Variant, outputs: Option<Outputs>) -> Result<Compiled, Error> {
+    pub(super) fn compiled(
+        &self,
+        pass: &Declaration,
+        variant: &Variant,
+        outputs: Option<Outputs>,
+    ) -> Result<Compiled, Error> {
         let context = &self.0;
         let Some(loader) = &context.executables else {
             let missing = "pipelineExecutableInfo, or it was not asked for".to_owned();
@@ -43,8 +48,8 @@ impl Device {
         };
         let begin = Instant::now();
         let pipeline = match outputs {
-            None => Pipeline::compute::<P>(context, variant, P::NAME)?,
-            Some(outputs) => Pipeline::draw::<P>(context, variant, outputs, P::NAME)?,
+            None => Pipeline::compute(context, pass, variant, pass.name)?,
+            Some(outputs) => Pipeline::draw(context, pass, variant, outputs)?,
         };
         let time = begin.elapsed();
         let info = vk::PipelineInfoKHR::default().pipeline(pipeline.raw);

@@ -41,7 +41,7 @@ pub use guard::{bytes as guard_bytes, checks};
 pub use image::{Attachment, DepthSamples, Format, NumberSamples, Pixels, SAMPLES, ScratchAttachment, Texture};
 pub use layout::{GpuType, Member, Shape};
 pub use limits::{DeviceInfo, DeviceOptions, Limits};
-pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
+pub use pass::{Access, Binding, Declaration, Group, PARTS, Pass, PushConstants, Resource};
 pub use paused::Paused;
 pub use pipeline::{Blend, Compilation, Outputs, PipelineSource};
 pub use preferences::Preferences;

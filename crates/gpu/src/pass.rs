@@ -63,20 +63,45 @@ impl<T: GpuType> PushConstants for T {
     }
 }
 
+/// Bytes of push constants that every device has.
+pub const PUSH_BYTES: usize = 128;
+
+/// What a pass declares. Code that takes it as data is compiled once, and not for each of some hundred passes.
+#[derive(Debug, Clone, Copy)]
+pub struct Declaration {
+    /// Method and stage, as in `abuffer/store`: the timing label too.
+    pub name: &'static str,
+    /// Stem of the shader file under shaders/.
+    pub shader: &'static str,
+    /// The shared piece that stands in for `#piece` in that file.
+    pub piece: Option<&'static str>,
+    /// The shader files of the crate that declares the pass.
+    pub sources: &'static Sources,
+    /// The bindings.
+    pub bindings: fn() -> Vec<Binding>,
+    /// The shape of the push constants.
+    pub push_shape: fn() -> Option<Shape>,
+}
+
+impl Declaration {
+    /// Returns the declaration of a pass whose push constants are a `P`, which every device must have room for.
+    pub const fn new<P: PushConstants>(
+        [name, shader]: [&'static str; 2],
+        piece: Option<&'static str>,
+        sources: &'static Sources,
+        bindings: fn() -> Vec<Binding>,
+    ) -> Self {
+        assert!(size_of::<P>() <= PUSH_BYTES, "more push constants than every device has");
+        Self { name, shader, piece, sources, bindings, push_shape: P::push_shape }
+    }
+}
+
 /// A pass: a struct of named buffers and textures. Made by [`pass!`](crate::pass).
 pub trait Pass {
-    /// Method and stage, as in `abuffer/store`: the timing label too.
-    const NAME: &'static str;
-    /// Stem of the shader file under shaders/.
-    const SHADER: &'static str;
-    /// The shared piece that stands in for `#piece` in that file.
-    const PIECE: Option<&'static str>;
-    /// The shader files of the crate that declares the pass.
-    fn sources() -> &'static Sources;
+    /// What it declares.
+    const DECLARATION: Declaration;
     /// The push constants that every run and draw takes.
     type Push: PushConstants;
-    /// The declared bindings.
-    fn bindings() -> Vec<Binding>;
     /// The buffers and textures in the order of the bindings.
     fn resources(&self) -> Vec<Resource>;
 }
@@ -136,16 +161,14 @@ macro_rules! pass {
             $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }
         impl $crate::Pass for $name<'_> {
-            const NAME: &'static str = $label;
-            const SHADER: &'static str = [$($shader),+][0];
-            const PIECE: Option<&'static str> = $crate::pass!(@option $($piece)?);
+            const DECLARATION: $crate::Declaration = {
+                fn bindings() -> Vec<$crate::Binding> {
+                    [$($crate::pass!(@bind $field, $access, $type)),*].concat()
+                }
+                let piece = $crate::pass!(@option $($piece)?);
+                $crate::Declaration::new::<$push>([$label, [$($shader),+][0]], piece, &$sources, bindings)
+            };
             type Push = $push;
-            fn sources() -> &'static $crate::shader::Sources {
-                &$sources
-            }
-            fn bindings() -> Vec<$crate::Binding> {
-                [$($crate::pass!(@bind $field, $access, $type)),*].concat()
-            }
             fn resources(&self) -> Vec<$crate::Resource> {
                 [$($crate::pass!(@resource self.$field, $access, $type)),*].concat()
             }

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
-use super::{Access, Context, Error, Format, Pass, PushConstants, Variant, shader};
+use super::{Access, Context, Declaration, Error, Format, Variant, shader};
+use crate::pass::PUSH_BYTES;
 
 /// Shader, the piece that it takes, variant, and what a draw has for outputs; `None` for compute.
 pub type PipelineKey = (&'static str, Option<&'static str>, String, Option<Outputs>);
@@ -61,9 +62,6 @@ pub struct PipelineSource {
     pub outputs: Option<Outputs>,
 }
 
-/// Bytes of push constants that every device has.
-const PUSH_BYTES: usize = 128;
-
 pub struct Pipeline {
     /// Source that it was made from.
     pub made: PipelineSource,
@@ -76,11 +74,16 @@ pub struct Pipeline {
 
 impl Pipeline {
     /// Returns the compute pipeline of a pass, by the label under which it runs.
-    pub fn compute<P: Pass>(context: &Context, variant: &Variant, label: &'static str) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, P::PIECE, variant.key(), None), || {
-            let words = shader::compile::<P>(variant)?;
-            let made = made::<P>(label, variant, None);
-            Self::build::<P>(context, made, vk::ShaderStageFlags::COMPUTE, |layout| {
+    pub fn compute(
+        context: &Context,
+        pass: &Declaration,
+        variant: &Variant,
+        label: &'static str,
+    ) -> Result<Arc<Self>, Error> {
+        context.pipeline((pass.shader, pass.piece, variant.key(), None), || {
+            let words = shader::compile(pass, variant)?;
+            let made = made(pass, label, variant, None);
+            Self::build(context, pass, made, vk::ShaderStageFlags::COMPUTE, |layout| {
                 let module = Module::new(context, &words)?;
                 let mut stage = module.stage(vk::ShaderStageFlags::COMPUTE);
                 let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
@@ -97,18 +100,18 @@ impl Pipeline {
         })
     }
 
-    /// Returns the graphics pipeline of a pass that draws triangles, by the label under which it runs.
-    pub fn draw<P: Pass>(
+    /// Returns the graphics pipeline of a pass that draws triangles.
+    pub fn draw(
         context: &Context,
+        pass: &Declaration,
         variant: &Variant,
         outputs: Outputs,
-        label: &'static str,
     ) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, P::PIECE, variant.key(), Some(outputs)), || {
-            let [vertex, fragment] = shader::compile_draw::<P>(variant)?;
+        context.pipeline((pass.shader, pass.piece, variant.key(), Some(outputs)), || {
+            let [vertex, fragment] = shader::compile_draw(pass, variant)?;
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-            let made = made::<P>(label, variant, Some(outputs));
-            Self::build::<P>(context, made, stages, |layout| {
+            let made = made(pass, pass.name, variant, Some(outputs));
+            Self::build(context, pass, made, stages, |layout| {
                 let modules = [Module::new(context, &vertex)?, Module::new(context, &fragment)?];
                 let stages =
                     [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
@@ -152,14 +155,14 @@ impl Pipeline {
         })
     }
 
-    fn build<P: Pass>(
+    fn build(
         context: &Context,
+        pass: &Declaration,
         made: PipelineSource,
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
-        const { assert!(size_of::<P::Push>() <= PUSH_BYTES, "more push constants than every device has") };
-        let descriptor_types: Vec<_> = P::bindings()
+        let descriptor_types: Vec<_> = (pass.bindings)()
             .iter()
             .map(|b| match b.access {
                 Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
@@ -185,7 +188,7 @@ impl Pipeline {
         let set_layouts = [set_layout];
         let ranges = [vk::PushConstantRange::default().stage_flags(stages).size(PUSH_BYTES as u32)];
         let mut layout_info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
-        let push_stages = P::Push::push_shape().map(|_| stages);
+        let push_stages = (pass.push_shape)().map(|_| stages);
         if push_stages.is_some() {
             layout_info = layout_info.push_constant_ranges(&ranges);
         }
@@ -221,8 +224,8 @@ impl Pipeline {
     }
 }
 
-fn made<P: Pass>(label: &'static str, variant: &Variant, outputs: Option<Outputs>) -> PipelineSource {
-    PipelineSource { label, pass: P::NAME, stem: P::SHADER, variant: variant.clone(), outputs }
+fn made(pass: &Declaration, label: &'static str, variant: &Variant, outputs: Option<Outputs>) -> PipelineSource {
+    PipelineSource { label, pass: pass.name, stem: pass.shader, variant: variant.clone(), outputs }
 }
 
 fn flags(context: &Context) -> vk::PipelineCreateFlags {

@@ -28,8 +28,8 @@ fn texts(shader: &Shader) -> impl Iterator<Item = &Variant> {
 /// Checks shaders against their passes; returns the number of variants.
 fn checked(shaders: Vec<Shader>) -> usize {
     let check = |shader: Shader| {
-        assert!(!shader.variants.is_empty(), "{}", shader.name);
-        shader.check().unwrap_or_else(|e| panic!("{}: {e}", shader.name));
+        assert!(!shader.variants.is_empty(), "{}", shader.pass.name);
+        shader.check().unwrap_or_else(|e| panic!("{}: {e}", shader.pass.name));
         shader.variants.len()
     };
     shaders.into_iter().map(check).sum()
@@ -56,7 +56,7 @@ fn every_shader_file_belongs_to_a_pass() {
     let passes = shaders();
     let stems = SHADERS.stems().into_iter().chain(gpu::SHADERS.stems());
     let forgotten: Vec<String> =
-        stems.filter(|stem| stem != QUAD && passes.iter().all(|shader| shader.stem != stem)).collect();
+        stems.filter(|stem| stem != QUAD && passes.iter().all(|shader| shader.pass.shader != stem)).collect();
     assert_eq!(forgotten, Vec::<String>::new());
 }
 
@@ -66,16 +66,16 @@ fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
     for shader in shaders() {
         for variant in texts(&shader) {
             let reflection = shader.reflection(variant).expect("a valid shader");
-            if shader.stem.starts_with("stochastic/draw_") {
-                assert_eq!(reflection.stage, ShaderStage::Fragment, "{}", shader.stem);
+            if shader.pass.shader.starts_with("stochastic/draw_") {
+                assert_eq!(reflection.stage, ShaderStage::Fragment, "{}", shader.pass.shader);
             } else if reflection.stage == ShaderStage::Fragment {
-                assert_eq!(variant.walker, Some("walk_fragment"), "{}", shader.stem);
+                assert_eq!(variant.walker, Some("walk_fragment"), "{}", shader.pass.shader);
             } else {
-                let single = SINGLE.contains(&shader.stem);
+                let single = SINGLE.contains(&shader.pass.shader);
                 let team = variant.constants.iter().find(|(name, _)| *name == "TEAM").map_or("1u", |(_, team)| team);
                 let team: u32 = team.trim_end_matches('u').parse().expect("a number of subgroups");
                 let wanted = if single { 1 } else { variant.subgroup.map_or(WORKGROUP, |lanes| lanes * team) };
-                assert_eq!(reflection.workgroup, [wanted, 1, 1], "{}", shader.stem);
+                assert_eq!(reflection.workgroup, [wanted, 1, 1], "{}", shader.pass.shader);
             }
         }
     }
@@ -122,7 +122,7 @@ fn variants_make_every_choice_in_more_than_one_way() {
                 if values.iter().any(Option::is_some) {
                     made.insert(name.clone());
                     if values.len() == 1 && !NUMBERS.contains(&name.as_str()) {
-                        alike.insert((shader.stem, name.clone()));
+                        alike.insert((shader.pass.shader, name.clone()));
                     }
                 }
                 declared.insert(name);
@@ -220,7 +220,7 @@ pass! {
 #[test]
 fn a_declaration_that_differs_from_its_shader_is_refused() {
     fn result<P: Pass>() -> Result<(), String> {
-        shader::check::<P>(&[Variant::plain()]).map_err(|e| e.to_string())
+        shader::check(&P::DECLARATION, &[Variant::plain()]).map_err(|e| e.to_string())
     }
     result::<Right>().expect("the declaration in earnest");
     let refusals = [
@@ -295,6 +295,7 @@ fn no_shader_leaves_to_the_driver_what_drivers_do_differently() {
 
 #[test]
 fn an_unknown_override_is_refused() {
-    let error = shader::check::<Right>(&[Variant::plain().with("NO_SUCH", 1)]).expect_err("no such override");
+    let error =
+        shader::check(&Right::DECLARATION, &[Variant::plain().with("NO_SUCH", 1)]).expect_err("no such override");
     assert!(error.to_string().contains("NO_SUCH"));
 }

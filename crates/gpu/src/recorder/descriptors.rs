@@ -7,14 +7,15 @@ use super::barriers::Touch;
 use super::draw::READ;
 use crate::guard;
 use crate::pipeline::Pipeline;
-use crate::{Access, Error, Pass, RawSlice, Resource};
+use crate::{Access, Declaration, Error, RawSlice, Resource};
 
 /// Descriptor sets and storage descriptors of one pool.
 const POOL_SETS: u32 = 128;
 
 impl Recorder<'_> {
-    pub(super) fn descriptors<P: Pass>(
+    pub(super) fn descriptors(
         &mut self,
+        pass: &Declaration,
         pipeline: &Pipeline,
         name: &'static str,
         resources: &[Resource],
@@ -33,7 +34,7 @@ impl Recorder<'_> {
         let set = unsafe { self.context.device.allocate_descriptor_sets(&info) }
             .map_err(Error::call("vkAllocateDescriptorSets"))?[0];
         let (mut buffers, mut images, mut touches) = (Vec::new(), Vec::new(), Vec::new());
-        for (resource, binding) in resources.iter().zip(P::bindings()) {
+        for (resource, binding) in resources.iter().zip((pass.bindings)()) {
             match *resource {
                 Resource::Buffer(RawSlice { bytes, .. }) if bytes > limit => {
                     let (name, limit_name) = (name.to_owned(), "maxStorageBufferRange");

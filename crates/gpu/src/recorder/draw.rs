@@ -5,7 +5,7 @@ use ash::vk;
 use super::Recorder;
 use crate::barriers::image_barriers;
 use crate::pipeline::{Outputs, Pipeline};
-use crate::{Attachment, Blend, Error, Pass, RawSlice, Slice, Variant};
+use crate::{Attachment, Blend, Declaration, Error, Pass, RawSlice, Resource, Slice, Variant};
 
 /// Number of vertices of a draw.
 #[derive(Debug, Clone, Copy)]
@@ -77,15 +77,26 @@ impl<'a> Recorder<'a> {
         variant: &Variant,
         draw: Draw<'a>,
     ) -> Result<(), Error> {
+        self.draw_declared(&P::DECLARATION, &pass.resources(), bytemuck::bytes_of(&push), variant, draw)
+    }
+
+    fn draw_declared(
+        &mut self,
+        pass: &Declaration,
+        resources: &[Resource],
+        push: &[u8],
+        variant: &Variant,
+        draw: Draw<'a>,
+    ) -> Result<(), Error> {
         let (size, limit) = (draw.area, self.context.limits.framebuffer);
         if size[0] > limit[0] || size[1] > limit[1] {
-            return Err(Error::Framebuffer { name: P::NAME.to_owned(), size, limit });
+            return Err(Error::Framebuffer { name: pass.name.to_owned(), size, limit });
         }
-        let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs(), P::NAME)?;
-        let (set, touches) = self.descriptors::<P>(&pipeline, P::NAME, &pass.resources())?;
+        let pipeline = Pipeline::draw(&self.context, pass, variant, draw.targets.outputs())?;
+        let (set, touches) = self.descriptors(pass, &pipeline, pass.name, resources)?;
         // Attachments are not looked at one by one.
         self.touch_more();
-        self.begin_pass(P::NAME, true, &touches)?;
+        self.begin_pass(pass.name, true, &touches)?;
         let extent = vk::Extent2D { width: draw.area[0], height: draw.area[1] };
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
         let viewport = vk::Viewport {
@@ -116,13 +127,13 @@ impl<'a> Recorder<'a> {
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[area]);
             if let Some(stages) = pipeline.push_stages {
-                device.cmd_push_constants(commands, pipeline.layout, stages, 0, bytemuck::bytes_of(&push));
+                device.cmd_push_constants(commands, pipeline.layout, stages, 0, push);
             }
             match draw.vertices {
                 Vertices::Count(count) => device.cmd_draw(commands, count, 1, 0, 0),
                 Vertices::Indirect(arguments) => {
                     let RawSlice { buffer, offset, bytes, .. } = arguments.raw();
-                    assert!(bytes >= 16, "{}: a draw takes four words", P::NAME);
+                    assert!(bytes >= 16, "{}: a draw takes four words", pass.name);
                     device.cmd_draw_indirect(commands, buffer, offset, 1, 16);
                 }
             }

@@ -29,7 +29,7 @@ use super::context::{Commands, lock};
 use super::guard::Guards;
 use super::paused::DeletionHold;
 use super::pipeline::Pipeline;
-use super::{Context, Error, GpuType, Pass, RawSlice, Slice, Variant};
+use super::{Context, Declaration, Error, GpuType, Pass, RawSlice, Resource, Slice, Variant};
 
 /// Label, variant and size of one run of a pass.
 #[derive(Debug, Clone)]
@@ -172,10 +172,20 @@ impl<'a> Recorder<'a> {
     /// # }
     /// ```
     pub fn run<P: Pass + 'a>(&mut self, pass: &P, push: P::Push, run: &Run<'a>) -> Result<(), Error> {
-        let name = run.label.unwrap_or(P::NAME);
-        let (pipeline, set, touches) = self.prepare(pass, run, name)?;
+        self.run_declared(&P::DECLARATION, &pass.resources(), bytemuck::bytes_of(&push), run)
+    }
+
+    fn run_declared(
+        &mut self,
+        pass: &Declaration,
+        resources: &[Resource],
+        push: &[u8],
+        run: &Run<'_>,
+    ) -> Result<(), Error> {
+        let name = run.label.unwrap_or(pass.name);
+        let (pipeline, set, touches) = self.prepare(pass, resources, run, name)?;
         self.begin_pass(name, true, &touches)?;
-        self.dispatch::<P>(&pipeline, set, push, run)?;
+        self.dispatch(pass, &pipeline, set, push, run)?;
         self.end_pass();
         self.pipelines.push(pipeline);
         Ok(())
@@ -184,35 +194,38 @@ impl<'a> Recorder<'a> {
     /// Runs a compute pass that the submission's times know nothing of. The caller keeps its buffers until after the
     /// submission.
     pub(super) fn run_untimed<P: Pass>(&mut self, pass: &P, push: P::Push, run: &Run<'_>) -> Result<(), Error> {
-        let (pipeline, set, touches) = self.prepare(pass, run, P::NAME)?;
+        let (declared, push) = (&P::DECLARATION, bytemuck::bytes_of(&push));
+        let (pipeline, set, touches) = self.prepare(declared, &pass.resources(), run, declared.name)?;
         self.barrier_before(&touches);
-        self.dispatch::<P>(&pipeline, set, push, run)?;
+        self.dispatch(declared, &pipeline, set, push, run)?;
         self.pipelines.push(pipeline);
         Ok(())
     }
 
-    fn prepare<P: Pass>(
+    fn prepare(
         &mut self,
-        pass: &P,
+        pass: &Declaration,
+        resources: &[Resource],
         run: &Run<'_>,
         name: &'static str,
     ) -> Result<(Arc<Pipeline>, vk::DescriptorSet, Vec<Touch>), Error> {
-        let pipeline = Pipeline::compute::<P>(&self.context, &run.variant, name)?;
-        let (set, mut touches) = self.descriptors::<P>(&pipeline, name, &pass.resources())?;
+        let pipeline = Pipeline::compute(&self.context, pass, &run.variant, name)?;
+        let (set, mut touches) = self.descriptors(pass, &pipeline, name, resources)?;
         if let Dispatch::Indirect(arguments) = run.dispatch {
             touches.push(Touch::read(arguments.raw()));
         }
         Ok((pipeline, set, touches))
     }
 
-    fn dispatch<P: Pass>(
+    fn dispatch(
         &self,
+        pass: &Declaration,
         pipeline: &Pipeline,
         set: vk::DescriptorSet,
-        push: P::Push,
+        push: &[u8],
         run: &Run<'_>,
     ) -> Result<(), Error> {
-        let groups = self.groups(P::NAME, run.dispatch)?;
+        let groups = self.groups(pass.name, run.dispatch)?;
         let (device, commands) = (&self.context.device, self.commands);
         // SAFETY: the recorder holds the pipeline and the set and borrows the buffers, until the submission has been
         // waited for.
@@ -220,12 +233,12 @@ impl<'a> Recorder<'a> {
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
             device.cmd_bind_descriptor_sets(commands, vk::PipelineBindPoint::COMPUTE, pipeline.layout, 0, &[set], &[]);
             if let Some(stages) = pipeline.push_stages {
-                device.cmd_push_constants(commands, pipeline.layout, stages, 0, bytemuck::bytes_of(&push));
+                device.cmd_push_constants(commands, pipeline.layout, stages, 0, push);
             }
             match run.dispatch {
                 Dispatch::Indirect(arguments) => {
                     let RawSlice { buffer, offset, bytes, .. } = arguments.raw();
-                    assert!(bytes >= 12, "{}: a dispatch takes three words", P::NAME);
+                    assert!(bytes >= 12, "{}: a dispatch takes three words", pass.name);
                     device.cmd_dispatch_indirect(commands, buffer, offset);
                 }
                 _ => device.cmd_dispatch(commands, groups[0], groups[1], 1),

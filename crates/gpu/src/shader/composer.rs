@@ -7,7 +7,7 @@ use include_dir::Dir;
 
 use super::network::comparator_text;
 use super::{Variant, error};
-use crate::{Error, Pass, PushConstants, Shape};
+use crate::{Declaration, Error, Shape};
 
 /// The WGSL of a crate that declares passes, embedded, and the numbers that its shaders share with Rust.
 #[derive(Debug)]
@@ -63,8 +63,8 @@ impl Sources {
 }
 
 /// Returns the whole source of a pass's shader, or of another one that goes with it.
-pub(super) fn source<P: Pass>(stem: &str, variant: &Variant) -> Result<String, Error> {
-    let sources = P::sources();
+pub(super) fn source(pass: &Declaration, stem: &str, variant: &Variant) -> Result<String, Error> {
+    let sources = pass.sources;
     let text = sources.file(stem).ok_or_else(|| error(stem, "no such file under shaders/"))?;
     let mut out = String::new();
     for (name, value) in &variant.constants {
@@ -74,8 +74,8 @@ pub(super) fn source<P: Pass>(stem: &str, variant: &Variant) -> Result<String, E
         let _ = writeln!(out, "const SUBGROUP = {size}u;");
     }
     out.push_str(&variant.text);
-    let push = P::Push::push_shape();
-    let composer = Composer { sources, stem, piece: P::PIECE, push, variant, out, pasted: Vec::new(), index: None };
+    let (piece, push) = (pass.piece, (pass.push_shape)());
+    let composer = Composer { sources, stem, piece, push, variant, out, pasted: Vec::new(), index: None };
     let composed = composer.composed(text)?;
     Ok(sources.constants_in(&composed) + &composed)
 }
@@ -198,6 +198,7 @@ impl<'a> Composer<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::PushConstants;
 
     fn composed(text: &str, push: Option<Shape>) -> Result<String, String> {
         let (sources, variant) = (&crate::SHADERS, Variant::plain());

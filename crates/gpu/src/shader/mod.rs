@@ -45,7 +45,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use self::composer::source;
 use self::reflect::check_declaration;
-use crate::{Error, Pass, PushConstants, cache, guard, spirv};
+use crate::{Declaration, Error, cache, guard, spirv};
 
 pub use self::composer::Sources;
 pub use self::variant::{SUBGROUPS, Shader, Variant};
@@ -61,24 +61,23 @@ fn error(name: &str, message: impl Into<String>) -> Error {
 }
 
 /// SPIR-V of a pass's compute shader, checked against the pass's declaration; from the disk cache if it is there.
-pub fn compile<P: Pass>(variant: &Variant) -> Result<Vec<u32>, Error> {
-    compile_stage::<P>(P::SHADER, variant, true)
+pub fn compile(pass: &Declaration, variant: &Variant) -> Result<Vec<u32>, Error> {
+    compile_stage(pass, pass.shader, variant, true)
 }
 
 /// The vertex shader of every pass that draws: two triangles over each splat's rectangle.
 const QUAD: &str = "raster/quad.vert";
 
 /// SPIR-V of the vertex and fragment shaders of a pass that draws. The vertex shader uses only some of the bindings.
-pub fn compile_draw<P: Pass>(variant: &Variant) -> Result<[Vec<u32>; 2], Error> {
-    Ok([compile_stage::<P>(QUAD, &Variant::plain(), false)?, compile_stage::<P>(P::SHADER, variant, true)?])
+pub fn compile_draw(pass: &Declaration, variant: &Variant) -> Result<[Vec<u32>; 2], Error> {
+    Ok([compile_stage(pass, QUAD, &Variant::plain(), false)?, compile_stage(pass, pass.shader, variant, true)?])
 }
 
-fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> Result<Vec<u32>, Error> {
-    let source = source::<P>(stem, variant)?;
+fn compile_stage(pass: &Declaration, stem: &str, variant: &Variant, all_bindings: bool) -> Result<Vec<u32>, Error> {
+    let (source, bindings, push) = (source(pass, stem, variant)?, (pass.bindings)(), (pass.push_shape)());
     // The declaration is part of the key: a cached shader was compared with the same one.
     let (version, key) = ((env!("CARGO_PKG_VERSION"), spirv::REVISION), variant.key());
-    let identity =
-        format!("{version:?}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::bytes(), P::bindings(), P::Push::push_shape());
+    let identity = format!("{version:?}\n{}\n{source}\n{key}\n{bindings:?}\n{push:?}", guard::bytes());
     let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
     if let Some(words) =
         cache::load("spirv", &key).and_then(|bytes| bytemuck::try_cast_slice(&bytes).map(<[u32]>::to_vec).ok())
@@ -86,7 +85,7 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
         return Ok(words);
     }
     let module = parse(stem, &source)?;
-    check_declaration(stem, &module, &P::bindings(), P::Push::push_shape().as_ref(), all_bindings)?;
+    check_declaration(stem, &module, &bindings, push.as_ref(), all_bindings)?;
     let info = validated(stem, &source, &module)?;
     let words = spirv::correct(&generate(stem, &module, &info, &variant.overrides)?);
     cache::store("spirv", &key, bytemuck::cast_slice(&words));
@@ -98,18 +97,18 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
 ///
 /// # Errors
 /// If one is no valid WGSL, differs from the declaration, or lacks an override that it sets.
-pub fn check<P: Pass>(variants: &[Variant]) -> Result<(), Error> {
+pub fn check(pass: &Declaration, variants: &[Variant]) -> Result<(), Error> {
     let mut texts: HashMap<String, Vec<&Variant>> = HashMap::new();
     for variant in variants {
-        texts.entry(source::<P>(P::SHADER, variant)?).or_default().push(variant);
+        texts.entry(source(pass, pass.shader, variant)?).or_default().push(variant);
     }
     for (source, variants) in texts {
-        let module = parse(P::SHADER, &source)?;
-        check_declaration(P::SHADER, &module, &P::bindings(), P::Push::push_shape().as_ref(), true)?;
-        let info = validated(P::SHADER, &source, &module)?;
+        let module = parse(pass.shader, &source)?;
+        check_declaration(pass.shader, &module, &(pass.bindings)(), (pass.push_shape)().as_ref(), true)?;
+        let info = validated(pass.shader, &source, &module)?;
         for variant in variants {
-            generate(P::SHADER, &module, &info, &variant.overrides)
-                .map_err(|cause| error(P::SHADER, format!("{variant:?}: {cause}")))?;
+            generate(pass.shader, &module, &info, &variant.overrides)
+                .map_err(|cause| error(pass.shader, format!("{variant:?}: {cause}")))?;
         }
     }
     Ok(())
@@ -184,13 +183,13 @@ pub struct Reflection {
 ///
 /// # Errors
 /// If it does not parse, or has more than one entry point.
-pub fn reflection<P: Pass>(variant: &Variant) -> Result<Reflection, Error> {
-    let module = parse(P::SHADER, &source::<P>(P::SHADER, variant)?)?;
+pub fn reflection(pass: &Declaration, variant: &Variant) -> Result<Reflection, Error> {
+    let module = parse(pass.shader, &source(pass, pass.shader, variant)?)?;
     let overrides = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
     match module.entry_points.as_slice() {
         [entry] if entry.name == ENTRY => {
             Ok(Reflection { stage: entry.stage, workgroup: entry.workgroup_size, overrides })
         }
-        _ => Err(error(P::SHADER, "wants exactly one entry point, called main")),
+        _ => Err(error(pass.shader, "wants exactly one entry point, called main")),
     }
 }

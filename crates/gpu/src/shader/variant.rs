@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{Reflection, check, reflection};
-use crate::{Compiled, Device, Error, Outputs, Pass};
+use crate::{Compiled, Declaration, Device, Error, Outputs, Pass};
 
 /// A variant of a shader: values of overrides by name, and text constants.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -85,14 +85,9 @@ pub const SUBGROUPS: [u32; 4] = [4, 8, 16, 32];
 /// A pass with all its variants.
 pub struct Shader {
     /// The pass.
-    pub name: &'static str,
-    /// Stem of its shader file.
-    pub stem: &'static str,
+    pub pass: Declaration,
     /// Every variant that is ever run; of numbers that a frame decides some.
     pub variants: Vec<Variant>,
-    check: fn(&[Variant]) -> Result<(), Error>,
-    reflection: fn(&Variant) -> Result<Reflection, Error>,
-    compiled: fn(&Device, &Variant, Option<Outputs>) -> Result<Compiled, Error>,
 }
 
 impl Shader {
@@ -100,12 +95,8 @@ impl Shader {
     pub fn new<P: Pass>(variants: impl IntoIterator<Item = Variant>) -> Self {
         let mut known = HashSet::new();
         Self {
-            name: P::NAME,
-            stem: P::SHADER,
+            pass: P::DECLARATION,
             variants: variants.into_iter().filter(|variant| known.insert(variant.key())).collect(),
-            check: check::<P>,
-            reflection: reflection::<P>,
-            compiled: Device::compiled::<P>,
         }
     }
 
@@ -119,7 +110,7 @@ impl Shader {
     /// # Errors
     /// Returns an error if [`check`] fails.
     pub fn check(&self) -> Result<(), Error> {
-        (self.check)(&self.variants)
+        check(&self.pass, &self.variants)
     }
 
     /// Returns the pass in fewer variants: in all of them together, each pair of values that two overrides have in one
@@ -149,7 +140,7 @@ impl Shader {
     /// # Errors
     /// Returns an error if [`reflection`] fails.
     pub fn reflection(&self, variant: &Variant) -> Result<Reflection, Error> {
-        (self.reflection)(variant)
+        reflection(&self.pass, variant)
     }
 
     /// Compiles a variant on a device that was opened for statistics, to draw where there are `outputs`; nothing runs.
@@ -157,7 +148,7 @@ impl Shader {
     /// # Errors
     /// The shader does not compile, or the device has no statistics.
     pub fn compiled(&self, device: &Device, variant: &Variant, outputs: Option<Outputs>) -> Result<Compiled, Error> {
-        (self.compiled)(device, variant, outputs)
+        device.compiled(&self.pass, variant, outputs)
     }
 }
 
@@ -190,12 +181,8 @@ mod tests {
         const FIVE: &[&str] = &["A", "B", "C", "D", "E"];
         let walked = choices(&FIVE[..2]).map(|variant| variant.walker("walk"));
         let all = Shader {
-            name: "pass",
-            stem: "pass",
+            pass: crate::Agree::DECLARATION,
             variants: choices(FIVE).chain(walked).chain([Variant::plain()]).collect(),
-            check: |_| Ok(()),
-            reflection: |_| unreachable!(),
-            compiled: |_, _, _| unreachable!(),
         };
         let fewer = all.in_pairs_of_choices().variants;
         for (i, a) in FIVE.iter().enumerate() {

@@ -96,7 +96,7 @@ fn key(stem: &str, variant: &Variant) -> String {
 fn unlisted(ran: &[(&'static str, Variant)]) -> Vec<String> {
     let shaders = pellucid_engine::shaders().into_iter().chain(gpu::shaders());
     let keys = |shader: gpu::shader::Shader| {
-        shader.variants.iter().map(|variant| key(shader.stem, variant)).collect::<Vec<_>>()
+        shader.variants.iter().map(|variant| key(shader.pass.shader, variant)).collect::<Vec<_>>()
     };
     let listed: HashSet<String> = shaders.flat_map(keys).collect();
     ran.iter().map(|(stem, variant)| key(stem, variant)).filter(|key| !listed.contains(key)).collect()
@@ -112,22 +112,22 @@ fn assert_listed(device: &Device) {
 #[test]
 fn a_variant_that_no_stage_lists_is_found() {
     let shaders = pellucid_engine::shaders();
-    let shader = shaders.iter().find(|shader| shader.name == "opaque/nearest").expect("a pass of opaque splats");
+    let shader = shaders.iter().find(|shader| shader.pass.name == "opaque/nearest").expect("a pass of opaque splats");
     let listed = || shader.variants[0].clone();
-    assert_eq!(unlisted(&[(shader.stem, listed())]), Vec::<String>::new());
+    assert_eq!(unlisted(&[(shader.pass.shader, listed())]), Vec::<String>::new());
     let mut other = listed();
     other.overrides[0].1 = 17.0;
     let made_up = [other, listed().with("PART_LENGTH", 1), listed().subgroup(7), listed().walker("walk_nothing")];
     for made_up in made_up {
-        assert_eq!(unlisted(&[(shader.stem, made_up.clone())]), [key(shader.stem, &made_up)]);
+        assert_eq!(unlisted(&[(shader.pass.shader, made_up.clone())]), [key(shader.pass.shader, &made_up)]);
     }
     assert_eq!(unlisted(&[("splat/nowhere", listed())]).len(), 1);
     // The length of a part is the device's.
-    let shader = shaders.iter().find(|shader| shader.name == "opaque/resolve").expect("a pass over parts");
+    let shader = shaders.iter().find(|shader| shader.pass.name == "opaque/resolve").expect("a pass over parts");
     let mut long = shader.variants[0].clone();
     let (_, length) = long.overrides.iter_mut().find(|(name, _)| *name == "PART_LENGTH").expect("it has parts");
     *length += 64.0;
-    assert_eq!(unlisted(&[(shader.stem, long)]), Vec::<String>::new());
+    assert_eq!(unlisted(&[(shader.pass.shader, long)]), Vec::<String>::new());
 }
 
 /// Runs on a renderer that has rendered all the others before, in both directions, and on fresh ones.
