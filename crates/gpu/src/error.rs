@@ -173,3 +173,17 @@ impl Error {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_any_call_finds_lost_is_lost() {
+        assert!(
+            matches!(Error::call("vkAny")(vk::Result::ERROR_DEVICE_LOST), Error::Lost { during } if during == "vkAny")
+        );
+        let other = Error::call("vkAny")(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY);
+        assert!(matches!(other, Error::Vulkan { call: "vkAny", .. }) && other.is_out_of_memory());
+    }
+}

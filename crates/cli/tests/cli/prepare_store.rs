@@ -150,6 +150,29 @@ fn a_run_that_ends_anywhere_goes_on() {
 }
 
 #[test]
+fn a_store_that_is_replaced_is_the_old_one_whole_or_none() {
+    let folder = scan();
+    assert!(prepare(&folder, "store", "200", None).status.success());
+    let store = inside(&folder, "store");
+    let old = bytes(&store);
+    let is_killed = |at: usize| {
+        let status = prepare(&folder, "store", "100", Some(&format!("kill@output/rename:{at}"))).status;
+        if status.success() {
+            return false;
+        }
+        assert_eq!(status.signal(), Some(9));
+        assert!(!store.join("metadata.json").exists() || bytes(&store) == old, "killed at the {at}th name");
+        // Files of both would be read as one store.
+        fs::remove_dir_all(&store).unwrap();
+        assert!(prepare(&folder, "store", "200", None).status.success());
+        true
+    };
+    let killed = (1..).take_while(|at| is_killed(*at)).count();
+    assert!(killed >= 7, "{killed}");
+    assert!(bytes(&store) != old);
+}
+
+#[test]
 fn leftovers_of_other_arguments_or_inputs_are_not_used() {
     let folder = scan();
     let other = root().join("tests/data/formats/las_extrabytes.las");

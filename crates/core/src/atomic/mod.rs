@@ -188,3 +188,19 @@ pub fn remedy(error: &io::Error) -> &'static str {
         _ => "",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_that_can_not_be_given_is_an_error_and_nothing_stays() {
+        let parent = tempfile::tempdir().unwrap();
+        let path = parent.path().join("picture.png");
+        let staged = Staged::write(&path, |out| out.write_all(b"whole")).unwrap();
+        std::fs::create_dir(&path).unwrap();
+        staged.publish(&path).unwrap_err();
+        assert!(path.is_dir());
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
+    }
+}
