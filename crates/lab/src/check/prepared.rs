@@ -3,17 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
-use pellucid_core::progress::Progress;
-use pellucid_engine::Result;
-
-use super::stage::{Dot, HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
-use super::{Case, CaseRenderer, CaseResult, Finding, naive, one};
+use super::prelude::*;
 use pellucid_core::cloud::Cloud;
-use pellucid_core::image::Image;
 use pellucid_io as io;
 use pellucid_scene::prepare::{radius, surface};
-use pellucid_scene::{self as scene, Discs, Method, Scene};
+use pellucid_scene::{self as scene, Scene};
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
