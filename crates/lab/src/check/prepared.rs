@@ -41,7 +41,7 @@ fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     let bound = 4.0 * (256.0 + 2.0) * HALF_ULP;
     // Empty, where a radius of 0 covers no pixel.
     let covering: Vec<Dot> = vec![dot; 500].into_iter().filter(|dot| naive::covers(dot, [0, 0])).collect();
-    Ok(Finding::apart(&found, &naive::over(&covering), &wanted, bound))
+    Ok(Finding::apart(&found, &over(&covering), &wanted, bound))
 }
 
 /// 1000 points, 1/16 apart.
@@ -165,7 +165,7 @@ fn not_finite(stage: &mut CaseRenderer) -> CaseResult {
     let mut blended = wanted.rgba.clone();
     for dot in odd.iter().filter_map(|row| as_read(row)) {
         if let Some(pixel) = blended.get_mut(dot.position.x.max(0.0) as usize) {
-            *pixel = naive::over(&[dot]);
+            *pixel = over(&[dot]);
         }
     }
     let naive = naive::bytes_apart(&blended, &wanted.rgba);
