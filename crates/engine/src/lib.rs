@@ -59,6 +59,7 @@
 pub mod choices;
 pub mod error;
 mod fields;
+mod frame_error;
 pub mod identity;
 pub mod methods;
 pub mod passes;

@@ -1,15 +1,12 @@
 //! The cost of frames: the profile as JSON and as a Chrome trace.
 
-mod host;
-mod trace;
-
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::gpu::{self, Device, Memory};
+use crate::gpu::{self, Compilation, Device, Memory};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
-use crate::progress::Span;
+use crate::progress::{Phase, Span};
 
 /// Frames of one scene on one device.
 #[derive(Debug, Clone)]
@@ -167,6 +164,98 @@ pub fn copy_rate(device: &Device) -> Result<f64, gpu::Error> {
     let submitted = recorder.submit("profile/copy")?;
     let times = submitted.passes.iter().skip(2).map(|p| p.gpu.as_secs_f64()).collect();
     Ok(2.0 * BYTES as f64 / median(times).max(f64::MIN_POSITIVE))
+}
+
+impl Profile {
+    /// Adds the phases of a command, and the pipelines that its device made meanwhile.
+    pub fn add_host(&mut self, phases: Vec<Span>, compilations: &[Compilation]) {
+        self.host.extend(phases);
+        let span = |made: &Compilation| Span { phase: Phase::Compile, begin: made.begin, length: made.time };
+        self.host.extend(compilations.iter().map(span));
+    }
+
+    /// Returns the time of each phase, by [`Phase::ALL`]. Making pipelines does not count for the phase that it lies
+    /// within.
+    pub fn host_times(&self) -> [Duration; Phase::ALL.len()] {
+        let mut times = [Duration::ZERO; Phase::ALL.len()];
+        for span in &self.host {
+            times[span.phase as usize] += span.length;
+        }
+        for compile in self.host.iter().filter(|span| span.phase == Phase::Compile) {
+            if let Some(around) = self.host.iter().find(|span| encloses(span, compile)) {
+                let time = &mut times[around.phase as usize];
+                *time = time.saturating_sub(compile.length);
+            }
+        }
+        times
+    }
+
+    /// Returns a line for people: the phases that took time, in milliseconds.
+    pub fn host_text(&self) -> String {
+        let phase = |(phase, time): (Phase, Duration)| format!("{} {:.1} ms", phase.name(), time.as_secs_f64() * 1e3);
+        let phases: Vec<String> = self.shown_phases().map(phase).collect();
+        format!("host: {}", phases.join(", "))
+    }
+
+    /// Returns the phases that took time, and those that every command has, with their milliseconds.
+    fn host_json(&self) -> Vec<Value> {
+        let phase = |(phase, time): (Phase, Duration)| json!({"name": phase.name(), "ms": time.as_secs_f64() * 1e3});
+        self.shown_phases().map(phase).collect()
+    }
+
+    fn shown_phases(&self) -> impl Iterator<Item = (Phase, Duration)> {
+        let is_shown =
+            |(phase, time): &(Phase, Duration)| !time.is_zero() || matches!(phase, Phase::Read | Phase::Frame);
+        Phase::ALL.into_iter().zip(self.host_times()).filter(is_shown)
+    }
+}
+
+/// Returns `true` if a phase runs while pipelines are made.
+fn encloses(span: &Span, compile: &Span) -> bool {
+    span.phase != Phase::Compile && (span.begin..span.begin + span.length).contains(&compile.begin)
+}
+
+/// Rows of the trace: their thread numbers.
+const HOST: u32 = 0;
+const DEVICE: u32 = 1;
+
+impl Profile {
+    /// Phases of the host, frames and dispatches in the Chrome trace event format, in microseconds since the first of
+    /// them. The row of the host has the phases, the frames within them, and the pipelines that were made; the row of
+    /// the device has the dispatches.
+    pub fn to_trace(&self) -> Value {
+        let begins = self.host.iter().map(|span| span.begin).chain(self.frames.iter().map(|frame| frame.begin));
+        let mut events = Vec::new();
+        if let Some(origin) = begins.min() {
+            events.extend(self.host.iter().map(|span| phase(span, origin)));
+            for (number, frame) in self.frames.iter().enumerate() {
+                add_frame(&mut events, number, frame, frame.begin - origin);
+            }
+        }
+        for (thread, name) in [(HOST, "host"), (DEVICE, "device")] {
+            events.push(json!({"name": "thread_name", "ph": "M", "pid": 0, "tid": thread, "args": {"name": name}}));
+        }
+        json!({"traceEvents": events, "displayTimeUnit": "ms"})
+    }
+}
+
+fn phase(span: &Span, origin: Instant) -> Value {
+    event(span.phase.name(), [span.begin - origin, span.length], HOST, &json!({}))
+}
+
+/// Adds a frame that began at a time, and its dispatches.
+fn add_frame(events: &mut Vec<Value>, number: usize, frame: &FrameProfile, begin: Duration) {
+    events.push(event(&format!("frame {number}"), [begin, frame.wall], HOST, &json!({})));
+    for (pass, start) in &frame.timeline {
+        let counts = json!({"invocations": pass.invocations});
+        events.push(event(pass.name, [begin + *start, pass.gpu], DEVICE, &counts));
+    }
+}
+
+/// An event with its start and its length.
+fn event(name: &str, [start, length]: [Duration; 2], thread: u32, args: &Value) -> Value {
+    let micros = |time: Duration| time.as_secs_f64() * 1e6;
+    json!({"name": name, "ph": "X", "ts": micros(start), "dur": micros(length), "pid": 0, "tid": thread, "args": args})
 }
 
 #[cfg(test)]

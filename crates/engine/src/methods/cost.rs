@@ -8,14 +8,12 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
+use super::Renderer;
 use super::lists::ORDERED_AREA;
-use super::{Error, Frame, Renderer};
 use crate::camera::{Camera, Projection};
-use crate::gpu::Device;
-use crate::passes::project::DeviceCloud;
+use crate::methods::prelude::*;
 use crate::points::Points;
 use crate::prepare::order;
-use crate::scene::{Discs, Falloff, Method};
 
 /// The factors of a frame's cost.
 #[derive(Debug, Clone, Copy, PartialEq)]

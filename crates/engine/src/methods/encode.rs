@@ -1,16 +1,14 @@
 //! Images as the bytes that a window shows, found where the colors are: on the device.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use glam::Vec3;
 
 use crate::color::{decode_srgb, encode_srgb};
-use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Run, Slice};
+use crate::gpu::Error;
+use crate::methods::prelude::*;
 use crate::output::{background, to_byte};
 use crate::scene::ColorSpace;
-use crate::{gpu_struct, pass};
 use pellucid_core::parallel;
 
 gpu_struct! {

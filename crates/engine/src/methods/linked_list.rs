@@ -10,12 +10,10 @@
 //! faster, for four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the
 //! store no faster.
 
-use super::Error;
 use super::abuffer::{Needs, StoreFragments, Storing};
-use crate::gpu::shader::Shader;
-use crate::gpu::{self, Dispatch, Expected, Recorder, Run, Slice, Variant};
+use crate::gpu;
+use crate::methods::prelude::*;
 use crate::passes::raster::{self, Chunk, ChunkGroup, RasterPush};
-use crate::{gpu_struct, group, pass};
 
 /// Links that one invocation of `linked-list/gather` follows; longer lists are gathered by several runs.
 const GATHER_STEP: u32 = 32_768;

@@ -8,18 +8,12 @@ use super::abuffer::{
 use super::ellipsoids::Ellipsoids;
 use super::linked_list::LinkedLists;
 use super::projecting::discs as projecting;
-use crate::gpu::Device;
-use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Engine, Work, project, windows_of};
-use crate::methods::explain::{Explain, FramePlan};
+use crate::methods::engine::project;
+use crate::methods::prelude::*;
 use crate::methods::walker::walker;
-use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop, Timeline, tiled};
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::{self, Bin, Bins, Order};
-use crate::passes::compose;
-use crate::passes::project::{DeviceCloud, Footprint, Stats};
-use crate::passes::raster::{Raster, Walker};
-use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Peel, Raster as Way};
+use crate::methods::{Stop, tiled};
+use crate::passes::bin::{self, Bin, Order};
+use crate::scene::{Kernel, LongLists, Peel, Raster as Way};
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;

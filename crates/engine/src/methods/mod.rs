@@ -11,7 +11,6 @@ pub(crate) mod edl;
 pub mod ellipsoids;
 pub mod encode;
 mod engine;
-mod error;
 pub(crate) mod explain;
 mod facts;
 pub mod fading;
@@ -27,8 +26,8 @@ mod parts;
 pub mod peel;
 pub mod peel_layers;
 pub mod points;
+mod prelude;
 mod projecting;
-mod reach;
 pub mod renderer;
 pub mod see_through;
 pub mod shadows;
@@ -44,21 +43,20 @@ mod walker;
 
 #[doc(hidden)]
 pub use engine::Switches;
-pub use error::Error;
 pub use explain::Step;
 pub use facts::{Facts, ThinCloud};
 pub use frame::{Factors, Frame};
 pub use frame_profile::{FrameProfile, PassProfile};
-pub use parts::{DrawnPart, PartError, SamplePart, SampleSteps};
-pub use reach::{need_subgroups, without_subgroups};
+pub use parts::{DrawnPart, SamplePart, SampleSteps};
 pub use renderer::{PointSource, Rendered, Renderer, Upload};
 pub use target::{Layer, Pixels, PixelsGroup, Target};
 
+pub use crate::frame_error::{Error, PartError};
 pub use crate::passes::compose::Stop;
 pub use crate::passes::timeline::Timeline;
 
-use crate::gpu::Device;
 use crate::gpu::shader::Shader;
+use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bin::{self, Bins};
 use crate::passes::project::{self, Footprint};
 use crate::passes::tiles::{self, Tiles};
@@ -205,4 +203,16 @@ pub enum Outcome {
     Done,
     /// A 32-bit sum overflowed, or something whose size depends on the window takes too much memory: it must be cut.
     Overflow,
+}
+
+/// Returns the names of the methods that a device can't run because it lacks the subgroups that tiles of splats need.
+/// The soft methods need them too where there are solid points.
+pub fn without_subgroups(device: &DeviceInfo) -> Vec<&'static str> {
+    if device.subgroup.is_some() { Vec::new() } else { need_subgroups(device) }
+}
+
+/// Returns the names of the methods that go through tiles of splats whatever they draw on this device.
+pub fn need_subgroups(device: &DeviceInfo) -> Vec<&'static str> {
+    let needs = |method: &Method| engine_of(method).needs_subgroups(device);
+    Method::all().iter().filter(|method| needs(method)).map(Method::name).collect()
 }

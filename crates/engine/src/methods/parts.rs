@@ -12,7 +12,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_bytes::{ByteBuf, Bytes};
 
-use super::{Facts, Frame, FrameProfile, engine_of};
+use super::{Facts, Frame, FrameProfile, PartError, engine_of};
 use crate::image::MAX_SIDE;
 use crate::passes::bands::Window;
 use crate::random::STRATUM;
@@ -76,34 +76,6 @@ pub struct DrawnPart {
     pub profile: FrameProfile,
     /// The counts; samples, ensembles and points drawn are those of the part.
     pub facts: Facts,
-}
-
-/// Reason why parts of a frame's samples can't be put together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PartError {
-    /// Something that was sent as a part is none.
-    #[error("this is no part of a frame's samples: {0}")]
-    Damaged(&'static str),
-    /// Parts of frames with another method, size, number of samples, or other channels.
-    #[error("parts of a frame's samples that belong to different frames")]
-    Different,
-    /// Two parts hold the same samples.
-    #[error("samples {start} to {end} of a frame are in two of its parts")]
-    Twice {
-        /// The first of them.
-        start: u32,
-        /// One past the last.
-        end: u32,
-    },
-    /// Samples that are in no part.
-    #[error("of {total} samples of a frame, those from {first} on are in none of its parts")]
-    Missing {
-        /// The first of them.
-        first: u32,
-        /// All samples of the frame.
-        total: u32,
-    },
 }
 
 /// Words for each pixel that a part may hold.

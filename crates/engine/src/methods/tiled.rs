@@ -1,18 +1,13 @@
 //! Common parts of the methods over tiles of ordered splats: `sorted`, `stochastic` and the approximations.
 
+use super::Facts;
 use super::abuffer;
-use super::bytes::PassRuns;
-use super::engine::{Channels, Engine, Work};
-use super::explain::{Absent, Explain, FramePlan, NOTHING, ORDER, PRESORTED, PassGroup};
+use super::explain::{NOTHING, ORDER, PRESORTED};
 use super::walker::walker;
-use super::{Buffers, Error, Facts, Frame, Outcome, PixelsGroup, Resources};
-use crate::gpu::{Device, DeviceInfo, Recorder};
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::{self, Bin, Binned, Bins, Order, RECORD_BYTES, TileWalk};
-use crate::passes::project::DeviceCloud;
-use crate::passes::raster::{Raster, Walker};
-use crate::scene::{self, DiscShape, Discs};
-use crate::{gpu_struct, group};
+use crate::gpu::DeviceInfo;
+use crate::methods::prelude::*;
+use crate::passes::bin::{self, Bin, Order, RECORD_BYTES, TileWalk};
+use crate::scene;
 
 gpu_struct! {
     /// Push constants of stages that need nothing but their place.
@@ -137,9 +132,10 @@ pub(super) fn counted_bytes(frame: &Frame) -> u64 {
 pub(super) fn render(
     stage: &impl Stage,
     cloud: &mut DeviceCloud,
-    Buffers { tiles, resources }: &mut Buffers,
+    buffers: &mut Buffers,
     work: &mut Work<'_>,
 ) -> Result<Outcome, Error> {
+    let Buffers { tiles, resources } = buffers;
     let (device, frame, window, discs) = (work.device, work.frame, work.window, stage.discs());
     let how = super::projecting::discs(frame, cloud, &discs);
     let stats = work.project(cloud, &how)?;
@@ -176,7 +172,7 @@ pub(super) fn blend<'a, 'w: 'a>(
 ) -> Result<Outcome, Error> {
     let (device, target, pixels) = (work.device, work.target, work.pixels());
     let mut recorder;
-    match bins.bin(device, bin, work.timeline).map_err(|error| beside(error.into(), small))? {
+    match bins.bin(device, bin, work.timeline).map_err(|error| beside(error, small))? {
         Bin::TooLarge => return Ok(Outcome::Overflow),
         Bin::Nothing => {
             recorder = work.timeline.recorder(device)?;

@@ -3,7 +3,6 @@
 pub mod bands;
 pub mod bin;
 pub mod compose;
-mod error;
 pub mod foresight;
 pub mod portion;
 pub mod project;
@@ -13,4 +12,4 @@ pub mod scan;
 pub mod tiles;
 pub mod timeline;
 
-pub use error::Error;
+pub use crate::frame_error::Error;

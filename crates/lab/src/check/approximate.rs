@@ -1,14 +1,11 @@
 //! Approximations of transparency: the parts that each of them computes exactly.
 
-use glam::Vec3;
-
 use super::discs::{SATURATED, reversed, roundings, ties};
 use super::lists::{approximations, exact};
-use super::naive::{half, over, over_until, weighted};
-use super::stage::{COMPENSATED, Dot, HALF_ULP, apart, composed, dot, fragments, graded};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
+use super::naive::{half, over_until, weighted};
+use super::prelude::*;
+use super::stage::{COMPENSATED, fragments};
 use pellucid_reference::approximate;
-use pellucid_scene::{Discs, Hybrid, Method};
 
 /// Color that has no exact float32.
 const COLOR: Vec3 = Vec3::new(0.1, 0.2, 0.7);

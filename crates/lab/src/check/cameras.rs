@@ -1,17 +1,12 @@
 //! Cameras at their limits: angles, ranges of depth, points behind the eye.
 
-use glam::{DVec3, Vec3};
-
 use super::discs::roundings;
 use super::lists::{exact, except, of_families, with_peel, with_samples};
-use super::naive::{is_between, over};
-use super::stage::{
-    Dot, HALF_ULP, at, cloud, colors_of, composed, dot, graded, mixed, perspective, pixels, pixels_apart,
-};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
-use pellucid_core::camera::Camera;
+use super::naive::is_between;
+use super::prelude::*;
+use super::stage::{colors_of, mixed, pixels_apart};
 use pellucid_reference::{abuffer, coverage};
-use pellucid_scene::{DiscShape, Discs, Family, Method};
+use pellucid_scene::{DiscShape, Family};
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();

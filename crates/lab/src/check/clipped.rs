@@ -1,15 +1,10 @@
 //! `[[clip]]`: no method draws what is cut off, and borders are kept.
 
-use glam::{DVec3, Vec3};
-use pellucid_core::progress::Progress;
-use pellucid_engine::Result;
-
 use super::lists::with_samples;
-use super::stage::{frame, in_cube, perspective};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, one};
+use super::prelude::*;
+use super::stage::in_cube;
 use pellucid_core::cloud::Cloud;
-use pellucid_core::image::Image;
-use pellucid_scene::{self as scene, Method, Scene, Setting};
+use pellucid_scene::{self as scene, Scene, Setting};
 
 pub(super) fn cases() -> Vec<Case> {
     let about = "red points are cut off by a plane, green ones by nothing: the largest red of a pixel";

@@ -1,16 +1,10 @@
 //! Colors that stand for values, and opacities of classes: constant values, values that are not finite, far
 //! coordinates.
 
-use glam::{DVec3, Vec3};
-use pellucid_core::progress::Progress;
-use pellucid_engine::Result;
-
 use super::lists::exact;
-use super::stage::{HALF_ULP, apart, at, composed, dot, frame, pixels};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, one};
-use pellucid_core::camera::Camera;
+use super::prelude::*;
 use pellucid_core::cloud::{Cloud, UpAxis};
-use pellucid_scene::{self as scene, Method, Scene};
+use pellucid_scene::{self as scene, Scene};
 
 /// The first and the last entry of viridis, in sRGB.
 const FIRST: [f64; 3] = [0.267_004, 0.004_874, 0.329_415];

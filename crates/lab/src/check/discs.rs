@@ -1,12 +1,9 @@
 //! Transparent discs: composition of many, of few, of none, in any order.
 
-use glam::Vec3;
-
 use super::lists::{exact, with_peel};
-use super::naive::{gaussian, nearest, over, over_until};
-use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, graded, pixels};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, one};
-use pellucid_scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
+use super::naive::{gaussian, nearest, over_until};
+use super::prelude::*;
+use pellucid_scene::{DiscShape, Falloff, Peel, Stochastic};
 
 /// Transmittance below half a step of 8 bits.
 pub(super) const SATURATED: f32 = 1.0 / 512.0;
@@ -179,7 +176,7 @@ fn least_opacity(stage: &mut CaseRenderer, method: Method) -> CaseResult {
 fn no_radius(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // In the middle of their pixels and beside it: d / r is 0 / 0 or larger than 1.
     let radii = [0.0, 0.0, 1e-45, 1e-3];
-    let beside = |x: u32| glam::DVec3::X * if x == 0 { 0.0 } else { 0.25 };
+    let beside = |x: u32| DVec3::X * if x == 0 { 0.0 } else { 0.25 };
     let dot = |(x, radius): (u32, &f32)| Dot { position: at(x, 0, 3.0) + beside(x), radius: *radius, ..Dot::default() };
     let dots: Vec<Dot> = (0..).zip(&radii).map(dot).collect();
     let image = stage.image(&dots, pixels([4, 1]), [4, 1], method)?;

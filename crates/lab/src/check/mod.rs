@@ -18,6 +18,7 @@ mod mlab;
 mod moved;
 mod naive;
 mod opaque;
+mod prelude;
 mod prepared;
 mod released;
 mod same;

@@ -1,15 +1,11 @@
 //! Georeferenced coordinates: a scene and its camera at 500 km east and 4500 km north give the same bytes as at the
 //! origin. Positions lie on a grid of 1/1024, so that float64 moves them without rounding. And scenes in other units.
 
-use glam::{DVec3, Vec3};
-
 use super::lists::{except, of_families, with_samples, with_soft};
-use super::stage::{Dot, HALF_ULP, bytes_apart, cloud, frame, in_cube, mixed, perspective, shifted};
-use super::{Case, CaseRenderer, CaseResult, Finding, each};
-use pellucid_core::camera::Camera;
-use pellucid_core::image::Image;
-use pellucid_engine::{Error, Result};
-use pellucid_scene::{Density, DiscShape, Discs, Family, ImageSpace, Method, PeelLayers, Shells, Soft};
+use super::prelude::*;
+use super::stage::{in_cube, mixed, shifted};
+use pellucid_engine::Error;
+use pellucid_scene::{Density, DiscShape, Family, ImageSpace, PeelLayers, Shells, Soft};
 
 const SIZE: [u32; 2] = [40, 30];
 /// d̃, whose default depends on the box of all points.

@@ -3,17 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
-use pellucid_core::progress::Progress;
-use pellucid_engine::Result;
-
-use super::stage::{Dot, HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
-use super::{Case, CaseRenderer, CaseResult, Finding, naive, one};
+use super::prelude::*;
 use pellucid_core::cloud::Cloud;
-use pellucid_core::image::Image;
 use pellucid_io as io;
 use pellucid_scene::prepare::{radius, surface};
-use pellucid_scene::{self as scene, Discs, Method, Scene};
+use pellucid_scene::{self as scene, Scene};
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
@@ -47,7 +41,7 @@ fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     let bound = 4.0 * (256.0 + 2.0) * HALF_ULP;
     // Empty, where a radius of 0 covers no pixel.
     let covering: Vec<Dot> = vec![dot; 500].into_iter().filter(|dot| naive::covers(dot, [0, 0])).collect();
-    Ok(Finding::apart(&found, &naive::over(&covering), &wanted, bound))
+    Ok(Finding::apart(&found, &over(&covering), &wanted, bound))
 }
 
 /// 1000 points, 1/16 apart.
@@ -171,7 +165,7 @@ fn not_finite(stage: &mut CaseRenderer) -> CaseResult {
     let mut blended = wanted.rgba.clone();
     for dot in odd.iter().filter_map(|row| as_read(row)) {
         if let Some(pixel) = blended.get_mut(dot.position.x.max(0.0) as usize) {
-            *pixel = naive::over(&[dot]);
+            *pixel = over(&[dot]);
         }
     }
     let naive = naive::bytes_apart(&blended, &wanted.rgba);

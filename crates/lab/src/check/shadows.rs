@@ -4,16 +4,10 @@
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec3};
-
-use super::stage::{Dot, at, cloud, frame, in_cube, pixels};
-use super::{Case, CaseRenderer, CaseResult, Finding, one};
-use pellucid_core::camera::Camera;
-use pellucid_core::points::Points;
-use pellucid_engine::Result;
-use pellucid_engine::methods::Frame;
+use super::prelude::*;
+use super::stage::in_cube;
 use pellucid_engine::methods::shadows::lights;
-use pellucid_scene::{Light, Method, Shading, ShadingModel, Shadows};
+use pellucid_scene::{Light, Shading, ShadingModel, Shadows};
 
 const DOWN: Light = Light::Direction(DVec3::NEG_Z);
 const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);

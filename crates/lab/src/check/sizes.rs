@@ -2,17 +2,12 @@
 
 use std::f64::consts::E;
 
-use glam::{DVec3, Vec3};
-
 use super::discs::roundings;
 use super::lists::{exact, of_families, with_samples};
-use super::naive::over;
-use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, graded, pixels, pixels_apart};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, naive};
+use super::prelude::*;
+use super::stage::pixels_apart;
 use pellucid_reference::soft::{Behind, Model, Scene};
-use pellucid_scene::{
-    BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, SoftMethod, Stochastic,
-};
+use pellucid_scene::{BlendedSplats, Density, Family, ScreenSplats, Shells, Soft, SoftMethod, Stochastic};
 
 pub(super) fn cases() -> Vec<Case> {
     let long = [

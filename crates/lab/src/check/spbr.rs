@@ -2,19 +2,16 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::stage::{apart, at, frame, mean, pixels, variance};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, one};
-use pellucid_core::points::Points;
+use super::prelude::*;
+use super::stage::{mean, variance};
 use pellucid_core::random::threefry2x32;
-use pellucid_engine::Result;
 use pellucid_reference::spbr::slanted;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
-use pellucid_scene::{Method, Spbr, SpbrSimplified};
+use pellucid_scene::{Spbr, SpbrSimplified};
 
 const SIZE: [u32; 2] = [64, 64];
 const PIXELS: f64 = 4096.0;

@@ -1,14 +1,10 @@
 //! Multi-sample stochastic transparency: no bias, exact A, and random numbers that have nothing to do with one another.
 
-use glam::Vec3;
-
-use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, fragments, frame, mean, pixels, variance};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
+use super::prelude::*;
+use super::stage::{fragments, mean, variance};
 use pellucid_core::random::word;
-use pellucid_engine::Result;
-use pellucid_engine::methods::Frame;
 use pellucid_reference::stochastic::{estimate, strata};
-use pellucid_scene::{Method, Stochastic};
+use pellucid_scene::Stochastic;
 
 const SIZE: [u32; 2] = [32, 32];
 const PIXELS: f64 = 1024.0;

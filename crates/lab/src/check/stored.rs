@@ -4,22 +4,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
-use pellucid_core::camera::Projection;
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
-use pellucid_core::image::Image;
-use pellucid_core::points::Points;
-use pellucid_core::progress::Progress;
-use pellucid_engine::Result;
-use pellucid_engine::methods::Frame;
 use pellucid_io as io;
 use pellucid_io::store::{Node, Piece, Store, Summary};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::stored::{OpenStore, Stored};
-use pellucid_scene::{self as scene, Method, Scene};
+use pellucid_scene::{self as scene, Scene};
 
-use super::stage::{frame, looking};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
+use super::prelude::*;
+use super::stage::looking;
 
 /// Points of each cloud.
 const POINTS: u32 = 3000;

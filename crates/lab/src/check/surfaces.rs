@@ -1,15 +1,11 @@
 //! Surfaces of points that are filtered in the image (`image-space`), and layers of them (`peel-layers`): holes,
 //! borders, and d̃ at its ends.
 
-use glam::Vec3;
-
-use super::naive::{self, bytes_apart as bytes_of, nearest, over, peel};
-use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels, pixels_apart};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, one};
-use pellucid_core::image::Image;
-use pellucid_engine::Result;
-use pellucid_engine::methods::{Frame, Rendered};
-use pellucid_scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
+use super::naive::{bytes_apart as bytes_of, nearest, peel};
+use super::prelude::*;
+use super::stage::pixels_apart;
+use pellucid_engine::methods::Rendered;
+use pellucid_scene::{ImageSpace, MAX_POINT_LAYERS, PeelLayers};
 
 /// Settings without any filter.
 const PLAIN: ImageSpace = ImageSpace {

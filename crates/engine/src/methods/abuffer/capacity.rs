@@ -4,10 +4,8 @@ use super::samples::{COLOR_BYTES, MOST_SAMPLES, SAMPLE_BYTES};
 use super::{
     ABuffer, Counted, FRAGMENT_BYTES, LINK_BYTES, ListsJob, PIXEL_BYTES, RECORD_BYTES, SEGMENT_BYTES, in_place_length,
 };
-use crate::gpu::{self, Device};
-use crate::methods::Error;
-use crate::methods::engine::Work;
-use crate::passes::bands::{self, Band, Budget};
+use crate::gpu;
+use crate::methods::prelude::*;
 use crate::scene::LongLists;
 
 impl ABuffer {

@@ -11,7 +11,6 @@
 //! ([`StoreFragments`]): one set of buffers, whichever method a frame takes.
 
 mod blend;
-mod bytes;
 mod capacity;
 mod count;
 mod explain;
@@ -21,7 +20,7 @@ mod storing;
 
 pub use blend::{Blender, Blending, CLASSES, Runs, in_place_length, least_bytes, lower_bound};
 pub(crate) use blend::{CONSTANTS, Sorting, composing_variant, occurring};
-pub(crate) use bytes::list_bytes;
+pub(crate) use explain::list_bytes;
 pub(crate) use explain::{
     BY_LENGTH, COUNT, count_group, counted_beside, ellipsoid_group, list_group, list_passes, lists,
 };
@@ -35,21 +34,12 @@ pub use storing::{
 use self::blend::Stored;
 use self::capacity::Need;
 use self::count::{Counted, measure_variant};
-use super::engine::{Counts, Work};
 use super::told::Told;
-use super::{Error, Frame, Outcome, Timeline};
-use crate::choices::Choices;
-use crate::fields;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Expected, Memory, Recorder, Scratch};
-use crate::passes::bands::{self, Band, Budget, Window};
+use crate::methods::prelude::*;
 use crate::passes::bin::{self, Lanes};
-use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
-use crate::passes::project::Footprint;
-use crate::passes::raster::{self, Raster};
+use crate::passes::raster;
 use crate::passes::scan::Scan;
-use crate::scene::{DiscShape, Discs};
 
 /// The longest list that one invocation sorts in a local array; also the length of a run of a longer one.
 pub const LOCAL_LENGTH: u32 = 256;

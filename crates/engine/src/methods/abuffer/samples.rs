@@ -3,12 +3,7 @@
 use super::blend::Stored;
 use super::capacity::Need;
 use super::{ABuffer, Blending, ListsJob, RUN_PIXEL_BYTES, Sampled};
-use crate::fields;
-use crate::gpu::{Device, Memory, Scratch};
-use crate::methods::Error;
-use crate::methods::engine::Work;
-use crate::passes::bands::{self, Band};
-use crate::passes::compose::Cut;
+use crate::methods::prelude::*;
 
 /// Bytes of a sample's color.
 pub(super) const COLOR_BYTES: u64 = 16;

@@ -3,12 +3,8 @@
 use super::blend::{Blender, Blending};
 use super::passes::{Count, CountTiles, RunSums, Sampled, Store, StoreTiles};
 use super::{FRAGMENT_BYTES, INDEX_BYTES};
-use crate::fields;
-use crate::gpu::{Buffer, Memory, Recorder, Scratch, Slice};
-use crate::methods::{Error, Target};
-use crate::passes::bands::Band;
-use crate::passes::bin::{Binned, Bins};
-use crate::passes::raster::{Chunk, Raster};
+use crate::methods::prelude::*;
+use crate::passes::raster::Chunk;
 
 /// Bytes of a node's link to the next.
 pub const LINK_BYTES: u64 = 4;

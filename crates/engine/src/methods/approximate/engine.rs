@@ -1,13 +1,9 @@
 //! The engine of `weighted`, `average`, `unsorted`, `hybrid` and `mlab`.
 
 use super::{ApproximateKind, Approximations, least_bytes, pixel_bytes};
-use crate::methods::bytes::PassRuns;
-use crate::methods::engine::Work;
+use crate::methods::prelude::*;
 use crate::methods::tiled::{self, Stage, TiledEngine};
-use crate::methods::{Error, Frame, Outcome, Resources};
-use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
-use crate::scene::{DiscShape, Discs};
 
 /// Sums over the fragments of each pixel.
 pub(crate) struct ApproximateEngine {

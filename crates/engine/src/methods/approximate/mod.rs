@@ -9,17 +9,12 @@ pub(crate) use engine::ApproximateEngine;
 pub use tail::{GatherTail, TailPush, WeighTail};
 
 use self::tail::Tail;
-use super::engine::Work;
 use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums, SumsGroup};
-use super::{Error, Facts, Outcome, Target, fading};
-use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Memory, Recorder, Scratch, Variant};
-use crate::passes::bin::{self, Binned, Bins, OneRun, TileWalk, TiledGroup};
-use crate::passes::compose;
-use crate::passes::project::{DISCS, Footprint};
-use crate::passes::raster::Raster;
+use super::{Facts, fading};
+use crate::methods::prelude::*;
+use crate::passes::bin::{self, OneRun, TileWalk, TiledGroup};
+use crate::passes::project::DISCS;
 use crate::scene::{MAX_NODES, MomentCount};
-use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants of `hybrid`: number of fragments that are composed exactly, and the least opacity of one.

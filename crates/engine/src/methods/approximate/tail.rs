@@ -2,14 +2,11 @@
 //! moments of each pixel's other fragments, the second their colors, weighted by the light that moments leave before
 //! them.
 
-use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Slice, Variant};
-use crate::methods::Error;
 use crate::methods::fading::{self, Estimate, leaving, with_moments};
+use crate::methods::prelude::*;
 use crate::methods::tiled::{Sums, SumsGroup};
-use crate::passes::bin::{self, Binned, TileWalk, Tiled, TiledGroup};
+use crate::passes::bin::{self, TileWalk, Tiled, TiledGroup};
 use crate::scene::{MomentCount, Moments};
-use crate::{gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants: those of moments, and the least opacity of a fragment that is composed exactly.

@@ -4,19 +4,14 @@ use std::cell::{Cell, RefCell};
 
 use super::lists::{self, Wanted};
 use super::{DeepSource, Sink};
+use crate::methods::Stop;
 use crate::methods::abuffer::{self, ListsJob, Sampling, Shown, Slots, StoreFragments, Taken};
 use crate::methods::ellipsoids::Ellipsoids;
-use crate::methods::engine::{Engine, Work, windows_of};
-use crate::methods::explain::{Explain, FramePlan};
+use crate::methods::prelude::*;
 use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
-use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Stop};
 use crate::output::deep::State;
-use crate::passes::bands::{Budget, Window};
-use crate::passes::compose;
-use crate::passes::project::DeviceCloud;
-use crate::passes::raster::{Raster, Walker};
-use crate::scene::{Discs, Kernel};
+use crate::scene::Kernel;
 
 /// Hands on the samples of each window.
 pub(crate) struct DeepEngine<'a> {

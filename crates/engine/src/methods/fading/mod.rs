@@ -2,23 +2,16 @@
 //! with depth, as far as a few numbers tell, then they sum colors weighted by it. `moments` and `wavelet`. No order of
 //! splats is needed, and no memory that grows with fragments.
 
-mod engine;
 mod passes;
 
-pub(crate) use engine::FadingEngine;
 pub use passes::*;
 
 use self::passes::with_cells;
 pub(super) use self::passes::{by_moments, leaving, with_moments};
-use super::engine::Work;
-use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums};
-use super::{Error, Facts, Outcome, Target};
-use crate::fields;
-use crate::gpu::{Device, Memory, Recorder, Scratch};
-use crate::passes::bands::Budget;
-use crate::passes::bin::{self, Binned, Bins};
-use crate::passes::compose;
-use crate::passes::raster::Raster;
+use super::Facts;
+use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Stage, SumPush, Sums, TiledEngine};
+use crate::methods::prelude::*;
+use crate::passes::bin::{self, Order};
 use crate::scene::{MomentCount, Moments};
 
 /// The numbers that tell how the light of a pixel fades.
@@ -158,6 +151,49 @@ pub fn least_bytes(name: &str, facts: &Facts, fading: Fading, tilted: bool, pixe
     // Index, then splat, depth, and color or opacity.
     let splat = 4 + 16 + 4 + color + if tilted { 16 } else { 0 };
     Some(facts.tile_entries * splat + pixels * pixel)
+}
+
+/// Colors weighted by the light before each fragment, of which a few numbers tell for each pixel.
+pub(crate) struct FadingEngine {
+    /// The discs.
+    pub discs: Discs,
+    /// The numbers.
+    pub fading: Fading,
+}
+
+impl Stage for FadingEngine {
+    fn discs(&self) -> Discs {
+        self.discs
+    }
+
+    fn order(&self) -> Order {
+        Order::Index
+    }
+
+    fn draw(
+        &self,
+        Resources { bins, own, .. }: &mut Resources,
+        work: &mut Work<'_>,
+        bin: bin::Job<'_>,
+        _max_color: f32,
+    ) -> Result<Outcome, Error> {
+        own.of::<Fadings>(work.device)?.render(bins, work, bin, self)
+    }
+}
+
+impl TiledEngine for FadingEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window> {
+        bands::windows(frame.size, most_pixels(budget, self.fading, tiled::counted_bytes(frame)))
+    }
+
+    fn passes(&self) -> &'static [&'static str] {
+        self.fading.stages()
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        let tilted = pass.is_tilted(self.discs.shape == DiscShape::Oriented);
+        least_bytes(pass.name, pass.facts, self.fading, tilted, pass.pixels())
+    }
 }
 
 #[cfg(test)]

@@ -1,12 +1,9 @@
 //! The passes of `moments` and `wavelet`, and the variants of their shaders.
 
-use crate::gpu::Variant;
-use crate::gpu::shader::Shader;
+use crate::methods::prelude::*;
 use crate::methods::tiled::{SumPush, SumsGroup};
 use crate::passes::bin::{self, OneRun, TileWalk, TiledGroup};
-use crate::passes::compose;
 use crate::scene::{MAX_RANK, MomentCount, Moments};
-use crate::{gpu_struct, pass};
 
 gpu_struct! {
     /// Estimate of light from moments.

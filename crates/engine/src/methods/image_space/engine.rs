@@ -1,14 +1,8 @@
 //! The engine of `image-space`, and the parts that `peel-layers` shares with it.
 
 use super::{Filter, FilterJob, Filterer, halo, least_bytes, windows};
-use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Engine, Work};
-use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
 use crate::methods::points;
-use crate::methods::{Buffers, Error, Frame, Outcome};
-use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, PointExtent, Projecting};
-use crate::passes::raster::Walker;
+use crate::methods::prelude::*;
 use crate::scene::ImageSpace;
 
 /// A filtered image of points.

@@ -19,17 +19,12 @@ pub use passes::{
     ResolvePush, Smooth, Tiled, TiledGroup, shaders,
 };
 
-use super::engine::Work;
+use super::Facts;
 use super::opaque::NearestSplat;
 use super::own::FamilyBuffers;
 use super::peel::PeelWork;
 use super::points::{self, Choice};
-use super::{Error, Facts};
-use crate::fields;
-use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Scratch, Slice};
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Projecting};
+use crate::methods::prelude::*;
 use crate::scene::ImageSpace;
 use windows::TILE;
 

@@ -1,10 +1,8 @@
 //! The passes of image-space rendering.
 
-use crate::gpu::Variant;
-use crate::gpu::shader::Shader;
 use crate::methods::peel::PeelWork;
+use crate::methods::prelude::*;
 use crate::passes::project::{Shaded, View};
-use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
     /// Push constants of `image-space/measure` and `image-space/resolve`.

@@ -1,16 +1,12 @@
 //! The engine of `peel`.
 
 use super::{PeelJob, Peeler, pixel_bytes};
-use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Fragments, Work, windows_of};
-use crate::methods::explain::{Absent, Explain, FramePlan, NOTHING, PassGroup};
+use crate::methods::engine::Fragments;
+use crate::methods::explain::NOTHING;
+use crate::methods::prelude::*;
 use crate::methods::projecting;
 use crate::methods::walker::walker;
-use crate::methods::{Buffers, Error, Frame, Outcome};
-use crate::passes::bands::{Budget, Window};
-use crate::passes::project::DeviceCloud;
-use crate::passes::raster::{Raster, Walker};
-use crate::scene::{DiscShape, Peel};
+use crate::scene::Peel;
 
 /// Layer after layer of discs.
 pub(crate) struct PeelEngine {
@@ -27,12 +23,8 @@ impl Engine for PeelEngine {
         Channels { fragments: Fragments::Within, layers: true }
     }
 
-    fn render(
-        &self,
-        cloud: &mut DeviceCloud,
-        Buffers { tiles, resources }: &mut Buffers,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let Buffers { tiles, resources } = buffers;
         let (peel, window) = (self.peel, work.window);
         let how = projecting::discs(work.frame, cloud, &peel.discs);
         let stats = work.project(cloud, &how)?;

@@ -10,22 +10,17 @@ mod engine;
 
 pub(crate) use engine::{PeelEngine, pass_group};
 
-use super::engine::Work;
+use super::Facts;
 use super::opaque::NearestSplat;
 use super::own::FamilyBuffers;
 use super::told::Told;
-use super::{Error, Facts, PixelsGroup, Target};
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Scratch, Slice, Variant};
-use crate::passes::bands::{self, Band, Window};
-use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
+use crate::methods::prelude::*;
+use crate::passes::compose::{Composing, ComposingGroup};
 use crate::passes::foresight::Knowledge;
-use crate::passes::project::{DISCS, Footprint};
-use crate::passes::raster::{self, Chunk, ChunkGroup, CountPush, Raster, RasterPush};
+use crate::passes::project::DISCS;
+use crate::passes::raster::{self, Chunk, ChunkGroup, CountPush, RasterPush};
 use crate::passes::tiles::SEGMENT;
-use crate::scene::{Falloff, Peel};
-use crate::{fields, gpu_struct, pass};
+use crate::scene::Peel;
 
 /// Layers of a submission. Longer ones save nothing (400 layers of 256 pixels took 0.55 s with 4 as with 128), but all
 /// that are recorded beyond the last layer cost something: frames of four layers took 4, 6, 8 and 23 ms with 4, 16, 32

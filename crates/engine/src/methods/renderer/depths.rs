@@ -5,11 +5,9 @@ use super::{Renderer, blank};
 use crate::image::Image;
 use crate::methods::abuffer::Shown;
 use crate::methods::edl::{self, ShadedDepths};
+use crate::methods::engine_of;
 use crate::methods::lists::ListEngine;
-use crate::methods::{Buffers, Error, Frame, Timeline, engine_of};
-use crate::passes::bands::Budget;
-use crate::passes::project::DeviceCloud;
-use crate::scene::Method;
+use crate::methods::prelude::*;
 
 impl Renderer {
     /// Finds the further depths that a frame asks for, as far as its method has them: means, and medians, which

@@ -18,16 +18,12 @@ use self::walk::{Job, largest};
 use super::brightness;
 use super::bytes::aggregate;
 use super::edl::{self, EyeDomeLighting};
-use super::engine::{Engine, Fragments, Switches};
-use super::{Buffers, Error, Facts, Frame, FrameProfile, Target, Timeline, engine_of, shadows, spbr, stochastic};
+use super::engine::{Fragments, Switches};
+use super::{Facts, FrameProfile, engine_of, shadows, spbr, stochastic};
 use crate::cloud::shadow_texture::Casting;
-use crate::gpu::{Device, Slice};
 use crate::image::Image;
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::Bins;
+use crate::methods::prelude::*;
 use crate::passes::foresight::Foresight;
-use crate::passes::project::DeviceCloud;
-use crate::scene::Method;
 
 /// Frames that take longer are submitted in parts, as they wait for counts: whoever cancels one waits for a submission,
 /// and some drivers end those of a few seconds.
@@ -285,7 +281,7 @@ impl Renderer {
             return engine.place(&self.device, cloud, frame, survey);
         }
         // Points of a supply come with each window.
-        frame.method.threshold().map_or(Ok(()), |threshold| Ok(cloud.find_parts(threshold, &self.progress)?))
+        frame.method.threshold().map_or(Ok(()), |threshold| cloud.find_parts(threshold, &self.progress))
     }
 
     /// Computes the light of each point for the shadows of a frame, unless it has none or the cloud has them already.

@@ -3,11 +3,9 @@
 use super::walk::Job;
 use super::{Error, Renderer};
 use crate::cloud::shadow_texture::Casting;
-use crate::gpu::Device;
-use crate::methods::{Frame, Outcome, Timeline, engine_of, shadows};
-use crate::passes::bands::Window;
-use crate::passes::compose::Cut;
-use crate::passes::project::{Beam, CutFor, DeviceCloud, Footprint, Present};
+use crate::methods::prelude::*;
+use crate::methods::{engine_of, shadows};
+use crate::passes::project::{Beam, CutFor, Present};
 use crate::passes::tiles::TILE;
 use crate::supply::Limits;
 
@@ -55,7 +53,7 @@ impl Renderer {
         if wanted.is_some() && cloud.supply().is_none() && !cloud.is_dealt() {
             return Err(Error::NoLevels);
         }
-        Ok(cloud.cut(wanted.as_ref(), &self.progress)?)
+        cloud.cut(wanted.as_ref(), &self.progress)
     }
 
     /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach

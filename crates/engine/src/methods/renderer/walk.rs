@@ -1,15 +1,12 @@
 //! The walk over the windows of a frame.
 
 use std::cell::RefCell;
-use std::ops::Range;
 
 use super::{LONGEST, Renderer};
 use crate::image::Image;
-use crate::methods::engine::{Counts, Engine, Work};
-use crate::methods::{Buffers, Error, Facts, Frame, Outcome, SamplePart, Timeline};
-use crate::passes::bands::{self, Budget, Window};
+use crate::methods::prelude::*;
+use crate::methods::{Facts, SamplePart};
 use crate::passes::foresight::Knowledge;
-use crate::passes::project::DeviceCloud;
 
 /// The work on each window of a frame.
 #[derive(Clone)]

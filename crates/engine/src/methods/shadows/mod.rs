@@ -221,7 +221,7 @@ fn start(device: &Device, cloud: &DeviceCloud, casting: &Casting, timeline: &mut
         let run = Run::new(Dispatch::Invocations(count));
         recorder.run(&start, push, &run.variant(start_variant(cloud.has_normals())))?;
     }
-    Ok(timeline.submit(recorder, "shadows/start")?)
+    timeline.submit(recorder, "shadows/start")
 }
 
 /// Makes shares of the numbers of lights.

@@ -4,21 +4,15 @@
 
 use super::express::{self, COUNT_BYTES, SoftDiscs};
 use super::{Interior, SoftModel, SphereKind, Spheres, explain, pixel_bytes, record_compose};
-use crate::gpu::Device;
 use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes};
-use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::{Explain, FramePlan};
+use crate::methods::prelude::*;
 use crate::methods::projecting::UNCLAMPED;
 use crate::methods::splats::{self, Onto, solid_projecting};
-use crate::methods::{Buffers, Error, Frame, Layer, Outcome, Resources, tiled};
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::{self, Bins, Order};
-use crate::passes::compose;
-use crate::passes::project::{CloudPart, DeviceCloud, Footprint, Parts, Projecting, Stats};
-use crate::passes::raster::{Raster, Walker};
+use crate::methods::{Layer, tiled};
+use crate::passes::bin::{self, Order};
+use crate::passes::project::Parts;
 use crate::prepare::axes::Axis;
-use crate::scene::{Discs, Soft};
+use crate::scene::Soft;
 
 /// Soft points as spheres whose interior is integrated.
 pub(crate) struct SpheresEngine {
@@ -44,11 +38,12 @@ impl SpheresEngine {
     fn soft_points<T>(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, resources }: &mut Buffers,
+        buffers: &mut Buffers,
         work: &mut Work<'_>,
         parts: Parts,
         go_on: impl FnOnce(&mut ABuffer, &mut Work<'_>, &abuffer::ListsJob<'_>, Option<&Layer>) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
+        let Buffers { tiles, resources } = buffers;
         let (frame, window, interior) = (work.frame, work.window, self.interior);
         let model = SoftModel::new(&frame.method, &self.soft, parts.median_radius * frame.factors.radius);
         let max_radius = cloud.max_radius() * frame.factors.radius;
@@ -196,10 +191,11 @@ impl ExpressEngine {
     fn soft_points(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, resources }: &mut Buffers,
+        buffers: &mut Buffers,
         work: &mut Work<'_>,
         parts: Parts,
     ) -> Result<Outcome, Error> {
+        let Buffers { tiles, resources } = buffers;
         let (device, frame, window, soft) = (work.device, work.frame, work.window, &self.soft);
         let how = projecting(frame, cloud, soft, Footprint::Disc);
         let stats = work.project(cloud, &how)?;

@@ -4,16 +4,11 @@
 //! otherwise.
 
 use super::{SoftModel, record_compose};
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Memory, Recorder, Run, Scratch, Variant};
-use crate::methods::engine::Work;
+use crate::methods::Layer;
+use crate::methods::prelude::*;
 use crate::methods::told::Told;
-use crate::methods::{Error, Frame, Layer, Outcome, PixelsGroup, Target};
-use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, TileWalk, TiledGroup};
-use crate::passes::compose::{self, Cut, STOP_NEVER, STOPS};
-use crate::{fields, gpu_struct, pass};
+use crate::passes::bin::{self, Bin, OneRun, TileWalk, TiledGroup};
+use crate::passes::compose::{STOP_NEVER, STOPS};
 
 gpu_struct! {
     /// Push constants of `soft/express`.

@@ -3,15 +3,9 @@
 use super::share::Share;
 use super::{Ensembles, Form, Scale, SpbrJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
 use crate::camera::Projection;
-use crate::gpu::Device;
-use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Counts, Engine, Work};
-use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
+use crate::methods::SamplePart;
 use crate::methods::parts::Sums;
-use crate::methods::{Buffers, Error, Frame, Outcome, SamplePart};
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::project::{DeviceCloud, Projecting};
-use crate::passes::raster::Walker;
+use crate::methods::prelude::*;
 
 /// Points dealt to ensembles, each an opaque image.
 pub(crate) struct EnsembleEngine {

@@ -1,7 +1,6 @@
 //! Renders the ensembles of a window: buffers, submissions and their passes.
 
 use std::iter::Peekable;
-use std::ops::Range;
 
 use super::RUN;
 use super::job::{Scale, SpbrJob};
@@ -11,13 +10,9 @@ use super::rounds::Piece;
 use super::stream::Stream;
 use super::tasks::{Task, Tasks};
 use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
-use crate::fields;
-use crate::gpu::{Device, Dispatch, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
-use crate::methods::engine::Work;
+use crate::methods::SamplePart;
 use crate::methods::parts::Plane;
-use crate::methods::{Error, SamplePart};
-use crate::passes::bands::{self, Window};
-use crate::passes::compose::Cut;
+use crate::methods::prelude::*;
 use crate::passes::project::Column;
 use crate::passes::raster::CountPush;
 
@@ -145,7 +140,7 @@ impl Ensembles {
         let run = Run::new(Dispatch::Invocations(pixels)).variant(resolve_variant(work.frame.wants_spread()));
         recorder.run(&pass, push, &run)?;
         target.record_read_back(&mut recorder, pixels)?;
-        Ok(work.timeline.submit(recorder, "spbr/resolve")?)
+        work.timeline.submit(recorder, "spbr/resolve")
     }
 
     /// Returns the dispatches of the next submission: so few that it takes no seconds and that all of their points fit,

@@ -1,14 +1,11 @@
 //! A window to render: how many ensembles, slots and epochs a dispatch takes.
 
-use std::ops::Range;
-
 use super::rounds::{Epochs, epoch_bits};
 use super::share::Share;
 use super::variants::{Form, SpbrKind};
 use super::{is_listed, largest};
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::project::{DeviceCloud, Projecting};
-use crate::scene::{Method, Spbr};
+use crate::methods::prelude::*;
+use crate::scene::Spbr;
 
 /// Slots of a round from which on more ensembles at once gain nothing, for each piece of work that keeps a device busy.
 const ROUND_SLOTS: u64 = 1 << 10;

@@ -3,11 +3,8 @@
 use super::RUN;
 use super::passes::{Draw, Large, Nearest, NearestDepth, NearestId, Renew, Resolve, Sum};
 use crate::choices;
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Variant};
-use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Projecting, Shaded};
+use crate::methods::prelude::*;
+use crate::passes::project::Shaded;
 use crate::scene::{ColorSpace, ShadingModel};
 
 /// Way to find the nearest points.

@@ -7,20 +7,10 @@
 
 use super::{Batch, SampleJob, SampleKind, Sampler, most_strata};
 use crate::camera::{Camera, Projection};
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{
-    Blend, DepthSamples, Device, Dispatch, Format, NumberSamples, Pixels, Recorder, Run, SAMPLES, ScratchAttachment,
-    Targets, Variant,
-};
-use crate::methods::engine::Work;
-use crate::methods::{Error, Target};
-use crate::passes::bands::Window;
-use crate::passes::compose;
-use crate::passes::project::Footprint;
-use crate::passes::raster::{QuadsGroup, Raster};
+use crate::gpu::{Blend, DepthSamples, Format, NumberSamples, Pixels, SAMPLES, ScratchAttachment, Targets};
+use crate::methods::prelude::*;
+use crate::passes::raster::QuadsGroup;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
-use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants of the draws.

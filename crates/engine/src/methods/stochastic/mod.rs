@@ -10,24 +10,19 @@
 
 mod engine;
 pub mod hardware;
-mod tiles;
 
+pub use engine::{Accumulate, StochasticPush, Visibility};
 pub(crate) use engine::{StochasticEngine, pass_group};
-pub use tiles::{Accumulate, StochasticPush, Visibility};
 
-use super::engine::Work;
 use super::parts::{MOST_STRATA, Plane};
 use super::told::Told;
-use super::{Error, Facts, Outcome, SamplePart, Target};
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Dispatch, Memory, Recorder, Run, Scratch, Variant};
+use super::{Facts, SamplePart};
+use crate::choices;
 use crate::image;
-use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::{self, Bin, Bins};
+use crate::methods::prelude::*;
+use crate::passes::bin::{self, Bin};
 use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
-use crate::{choices, fields, gpu_struct, pass};
 
 /// Samples of the first round where an error is asked for: the spread of four strata tells how many it takes.
 pub const FIRST_SAMPLES: u32 = 16;
@@ -343,7 +338,7 @@ impl Sampler {
     fn deliver<'a, 'w: 'a>(&'a self, mut recorder: Recorder<'a>, work: &mut Work<'w>) -> Result<(), Error> {
         self.told.record(&mut recorder, self.spread.get());
         work.target.record_read_back(&mut recorder, work.pixels())?;
-        Ok(work.timeline.submit(recorder, "stochastic/resolve")?)
+        work.timeline.submit(recorder, "stochastic/resolve")
     }
 
     /// Returns the standard error of every pixel of the window, in its order, from the last window rendered with it.
@@ -405,7 +400,7 @@ pub fn shaders() -> Vec<Shader> {
     let kinds = || SampleKind::all().into_iter();
     let gather = kinds().flat_map(|kind| STRATA.map(|strata| gather_variant(kind, strata)));
     let mut all = vec![Shader::new::<Gather>(gather), Shader::new::<Resolve>(kinds().map(resolve_variant))];
-    all.extend(tiles::shaders());
+    all.extend(engine::shaders());
     all.extend(hardware::shaders());
     all
 }

@@ -1,8 +1,7 @@
 //! Binning of the splats of a window: its tiles, and the runs of splats that subgroups take.
 
-use super::lanes::{Lanes, SEGMENT, region_segment};
 use super::passes::{TilePush, TileWalk};
-use super::{Job, RECORD_BYTES, order_bytes};
+use super::{Job, Lanes, RECORD_BYTES, SEGMENT, order_bytes, region_segment};
 use crate::gpu::{Device, Dispatch};
 use crate::passes::Error;
 use crate::passes::bands::{Budget, Window};

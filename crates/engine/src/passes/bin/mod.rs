@@ -7,20 +7,16 @@
 
 mod binning;
 mod keys;
-mod lanes;
 mod ordered_tiles;
 mod passes;
-mod runs;
 mod sort;
 mod tile_lists;
 
 pub use binning::Binned;
 pub use keys::key_bits;
-pub use lanes::Lanes;
 pub use ordered_tiles::OrderedTiles;
 pub(crate) use ordered_tiles::{fold_blocks_variant, fold_variant, gather_variant, region_variant};
 pub use passes::*;
-pub(crate) use runs::{OneRun, run_variants};
 pub use sort::{order_runs, sort_bytes};
 
 use self::binning::{BLOCK_SIDE, Binning, INDEX_BITS, TILE_SIDE};
@@ -36,9 +32,10 @@ use super::radix::Radix;
 use super::raster::Raster;
 use super::scan::Scan;
 use super::timeline::Timeline;
+use crate::choices::Choices;
 use crate::fields;
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{Buffer, Device, Memory, Recorder, Scratch};
+use crate::gpu::{self, Buffer, Device, Memory, Pass, Recorder, Run, Scratch, Variant};
 use crate::prepare::axes::Axis;
 
 /// The order of splats in tiles.
@@ -249,4 +246,115 @@ pub fn shaders() -> Vec<Shader> {
         Shader::plain::<Measure>(),
         Shader::new::<TileStore>(SUBGROUPS.map(store_variant)),
     ]
+}
+
+/// A run of several that together process the splats of all tiles.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OneRun {
+    /// `true` if it goes on from the result of others.
+    pub later: bool,
+    /// `true` if there are several, so that each leaves its state.
+    pub kept: bool,
+    /// The invocations that go through the tiles.
+    pub lanes: Lanes,
+}
+
+impl OneRun {
+    /// Returns a run by its number among so many.
+    pub fn new(number: u32, of: u32, lanes: Lanes) -> Self {
+        Self { later: number > 0, kept: of > 1, lanes }
+    }
+
+    /// Returns a variant of stages that leave their state between runs, from one of [`region_variant`] or
+    /// [`fold_blocks_variant`].
+    pub fn keeping(self, variant: Variant) -> Variant {
+        variant.with("KEPT", u32::from(self.kept))
+    }
+}
+
+impl Binned {
+    /// Records `runs` of a pass over the blocks of all tiles, as many as [`Self::segments`] or
+    /// [`Self::region_segments`] tells.
+    pub(crate) fn record_runs<'a, P: Pass + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        pass: &P,
+        runs: u32,
+        push: impl Fn(TileWalk) -> P::Push,
+        variant: impl Fn(OneRun) -> Variant,
+    ) -> Result<(), gpu::Error> {
+        (0..runs).try_for_each(|number| {
+            let run = OneRun::new(number, runs, self.lanes());
+            recorder.run(pass, push(self.walk(number)), &Run::new(self.over_blocks()).variant(variant(run)))
+        })
+    }
+}
+
+/// Returns the variants of a stage, from those of shapes: each shape and way with the only run, and with the first and
+/// the second of two.
+pub(crate) fn run_variants<W: Copy>(
+    shapes: Vec<Variant>,
+    ways: &[W],
+    of: impl Fn(Variant, OneRun, W) -> Variant,
+) -> Vec<Variant> {
+    let mut all = Vec::new();
+    for (shape, way) in shapes.iter().flat_map(|shape| ways.iter().map(move |way| (shape, *way))) {
+        for lanes in Lanes::all() {
+            let runs = [(false, false), (false, true), (true, true)].map(|(later, kept)| OneRun { later, kept, lanes });
+            let mut different = runs.map(|run| of(shape.clone(), run, way)).to_vec();
+            // Not every stage keeps something.
+            different.dedup();
+            all.extend(different);
+        }
+    }
+    all
+}
+
+/// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so
+/// that the smallest opacities don't round away in a sum of millions.
+const SEGMENT: u32 = 2048;
+/// Returns the same for stages that go through tiles region by region, whose workgroups note that many: wide ones may
+/// not take the room of others.
+const fn region_segment(subgroup: u32) -> u32 {
+    if subgroup < 16 { SEGMENT } else { SEGMENT / 2 }
+}
+/// Subgroups of a workgroup where a device prefers several.
+const TEAM: u32 = 4;
+
+/// Division of the invocations of a workgroup that goes through tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lanes {
+    /// Invocations of a subgroup, which has a tile or a block of a tile to itself.
+    pub subgroup: u32,
+    /// Subgroups of a workgroup: a GPU holds too few workgroups for one each, a CPU has nothing of more.
+    pub team: u32,
+}
+
+impl Lanes {
+    /// Returns those of a device.
+    fn of(device: &Device) -> Result<Self, Error> {
+        let info = device.info();
+        let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
+        let fits = picked_bytes(subgroup, TEAM) <= device.limits().shared_bytes;
+        Ok(Self { subgroup, team: if info.prefers.shared_work && fits { TEAM } else { 1 } })
+    }
+
+    /// Returns the number of workgroups of so many subgroups.
+    fn groups(self, subgroups: u64) -> u64 {
+        subgroups.div_ceil(self.team.into())
+    }
+}
+
+/// Bytes of a workgroup's memory that stages take which go through tiles region by region.
+const fn picked_bytes(subgroup: u32, team: u32) -> u32 {
+    region_segment(subgroup) * team * 4
+}
+
+// Every device has 16 KiB.
+const _: () = assert!(picked_bytes(4, 1) <= 16 << 10);
+
+impl Choices for Lanes {
+    fn all() -> Vec<Self> {
+        [1, TEAM].into_iter().flat_map(|team| SUBGROUPS.map(|subgroup| Self { subgroup, team })).collect()
+    }
 }

@@ -1,9 +1,8 @@
 //! Tiles with their splats in order, and the stages that go through them.
 
 use super::binning::{BLOCK_SIDE, BLOCKS, Binned, TILE_SIDE, pattern};
-use super::lanes::{Lanes, SEGMENT, region_segment};
 use super::passes::{TileWalk, Tiled, TilesPush};
-use super::runs::OneRun;
+use super::{Lanes, OneRun, SEGMENT, region_segment};
 use crate::gpu::{Dispatch, Pass, Recorder, Run, Variant};
 use crate::passes::Error;
 use crate::passes::bands::{Band, Window};

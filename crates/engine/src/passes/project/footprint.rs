@@ -43,11 +43,6 @@ pub const DISCS: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footpri
 pub const TILED: [Footprint; 3] = [Footprint::Disc, Footprint::Oriented, Footprint::Square];
 
 impl Footprint {
-    /// Returns `true` if splats of this shape have tilts.
-    pub fn has_tilts(self) -> bool {
-        self.tilt_stride() > 0
-    }
-
     /// Returns the number of elements of the buffer of tilts for each splat.
     pub fn tilt_stride(self) -> u64 {
         match self {

@@ -5,14 +5,10 @@
 
 use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
-use super::super::stage::HALF_ULP;
-use super::super::{CaseRenderer, Finding};
 use super::splats::{Splat, SplatView, cloud};
-use pellucid_core::image::Image;
-use pellucid_engine::Result;
+use crate::check::prelude::*;
 use pellucid_reference::gaussians::{self, Hit};
 use pellucid_reference::range::Range;
-use pellucid_scene::{Method, Order};
 
 /// Facts about a pixel that a Gaussian may cover.
 #[derive(Debug, Clone, Copy)]

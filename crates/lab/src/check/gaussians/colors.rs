@@ -1,18 +1,12 @@
 //! Colors of splats: harmonics, and values that no display has.
 
-use glam::{DVec3, Vec3};
-
-use super::super::CaseRenderer;
 use super::super::discs::roundings;
-use super::super::stage::HALF_ULP;
 use super::alone::Shares;
+use super::before;
 use super::shapes::some;
 use super::splats::{Splat, SplatView, cloud, part};
-use super::{CaseResult, before};
-use pellucid_core::camera::Camera;
-use pellucid_engine::Result;
+use crate::check::prelude::*;
 use pellucid_reference::gaussians::harmonics;
-use pellucid_scene::{ColorSpace, GaussianSettings, Method};
 
 /// The most that a basis function of a degree has if no term of it is negative: 35 z⁴ − 30 z² + 3 has 68 of its factor.
 const LOUDEST: [f64; 4] = [0.49, 0.64, 0.84, 7.2];

@@ -1,14 +1,9 @@
 //! Ellipsoids of constant density along one ray.
 
-use glam::{DVec3, Vec3};
-
 use super::super::discs::roundings;
-use super::super::stage::{HALF_ULP, apart, at, pixels};
-use super::super::{CaseRenderer, Finding};
-use super::CaseResult;
 use super::splats::{Splat, SplatView, cloud};
-use pellucid_engine::Result;
-use pellucid_scene::{GaussianSettings, Kernel, Method};
+use crate::check::prelude::*;
+use pellucid_scene::Kernel;
 
 /// Roundings in an optical depth over itself: of the axes and of the frame of a Gaussian that is turned by nothing,
 /// some 12; of the density, its logarithm included, 8; of the chord and of the exponential, 8.

@@ -1,18 +1,13 @@
 //! The least and the most opacity of a fragment, and centers that are not drawn.
 
-use glam::{DVec3, Vec3};
-
 use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, projected};
 use super::super::naive::over_until;
-use super::super::stage::{HALF_ULP, apart, at, composed, dot, perspective, pixels};
-use super::super::{CaseRenderer, Finding};
 use super::alone::Shares;
+use super::before;
 use super::shapes::{KERNELS, by, in_both, some};
 use super::splats::{Splat, SplatView, cloud};
-use super::{CaseResult, before};
-use pellucid_engine::Result;
-use pellucid_scene::{GaussianSettings, Method};
+use crate::check::prelude::*;
 
 const SIZE: [u32; 2] = [64, 48];
 

@@ -1,14 +1,8 @@
 //! Very many faint splats in a pixel.
 
 use super::super::discs::roundings;
-use super::super::naive::over;
-use super::super::stage::{Dot, HALF_ULP, at, composed, dot, pixels};
-use super::super::{CaseRenderer, Finding};
-use super::CaseResult;
 use super::splats::{Splat, SplatView, cloud};
-use glam::Vec3;
-use pellucid_engine::Result;
-use pellucid_scene::{GaussianSettings, Method};
+use crate::check::prelude::*;
 
 const COUNT: u32 = 100_000;
 const OPACITY: f32 = 1e-5;

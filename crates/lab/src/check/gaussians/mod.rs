@@ -11,14 +11,9 @@ mod shapes;
 pub(super) mod splats;
 mod together;
 
-use glam::DVec3;
-
 use super::discs::exact_coverage;
 use super::lists::{approximations, exact, with_peel};
-use super::stage::perspective;
-use super::{Case, CaseResult, each, joined};
-use pellucid_core::camera::Camera;
-use pellucid_scene::{Discs, Hybrid, Method};
+use crate::check::prelude::*;
 
 pub(super) fn cases() -> Vec<Case> {
     joined([shapes(), ends(), lists(), ellipsoids()])

@@ -1,18 +1,16 @@
 //! The order of splats: ties, by pixels, by depths and distances of centers, among discs.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::Quat;
 
-use super::super::naive::{bytes_apart as pixel_bytes, over};
-use super::super::stage::{self, Dot, at, bytes_apart, dot, pixels};
-use super::super::{CaseRenderer, Finding};
+use super::super::naive::bytes_apart as pixel_bytes;
+use super::super::stage;
 use super::alone::Shares;
+use super::before;
 use super::shapes::some;
 use super::splats::{Splat, SplatView, cloud, part, turned, unordered};
 use super::together::Float64Scene;
-use super::{CaseResult, before};
-use pellucid_core::points::Points;
+use crate::check::prelude::*;
 use pellucid_scene::prepare::order;
-use pellucid_scene::{ColorSpace, GaussianSettings, Method, Order};
 
 const PRIMARIES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
@@ -80,7 +78,7 @@ pub(super) fn by_centers(stage: &mut CaseRenderer, method: Method) -> CaseResult
         ..Splat::default()
     };
     let points = cloud(&places.iter().enumerate().map(splat).collect::<Vec<_>>());
-    let camera = stage::perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.1, 100.0);
+    let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.1, 100.0);
     let orders = [Order::Center, Order::Distance];
     let view = |order| SplatView::new(camera, [48, 36], ordered(order), &method);
     let scene = |order| Float64Scene { view: view(order), points: &points, color: ColorSpace::Encoded };

@@ -1,15 +1,12 @@
 //! Sizes at their limits: units of a scene, positions far from the origin, dilations, splats smaller than pixels.
 
-use glam::{DVec3, Vec3};
-
-use super::super::CaseRenderer;
 use super::super::naive::gaussians::{Formula, along_rays, projected};
 use super::alone::alone;
+use super::before;
 use super::shapes::{KERNELS, by, by_both, in_both, some};
 use super::splats::{Splat, SplatView};
-use super::{CaseResult, before};
-use pellucid_core::camera::Camera;
-use pellucid_scene::{GaussianSettings, Kernel, Method};
+use crate::check::prelude::*;
+use pellucid_scene::Kernel;
 
 const SIZE: [u32; 2] = [64, 48];
 

@@ -1,18 +1,16 @@
 //! Needles, plates and flat splats; centers far beside the image; rays that end in a splat.
 
-use glam::{DVec2, DVec3, Quat, Vec3};
+use glam::{DVec2, Quat};
 
-use super::super::CaseRenderer;
 use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, Seen, along_rays, projected};
-use super::super::stage::{HALF_ULP, perspective};
 use super::alone::{Expected, Known, Shares, alone, compared};
+use super::before;
 use super::splats::{Splat, SplatView, cloud, part, turned};
-use super::{CaseResult, before};
-use pellucid_core::camera::{Camera, Projection};
+use crate::check::prelude::*;
 use pellucid_reference::gaussians::{PlacedGaussian, ewa, gaussian};
 use pellucid_reference::range::Range;
-use pellucid_scene::{GaussianSettings, Kernel, Method};
+use pellucid_scene::Kernel;
 
 const SIZE: [u32; 2] = [64, 48];
 

@@ -1,14 +1,10 @@
 //! Gaussians of a case, and the view of them.
 
-use glam::{DVec3, Mat3, Quat, Vec3};
+use glam::{Mat3, Quat};
 
-use super::super::stage;
-use pellucid_core::camera::Camera;
+use crate::check::prelude::*;
 use pellucid_core::cloud::gaussians::{Gaussians, REACH, coefficients};
-use pellucid_core::points::Points;
-use pellucid_engine::methods::Frame;
 use pellucid_scene::prepare::order;
-use pellucid_scene::{ColorSpace, GaussianSettings, Method};
 
 /// A Gaussian of a case.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,7 +95,7 @@ impl SplatView {
     pub fn frame(&self, method: Method) -> Frame {
         let method = method.with_keys(&self.settings.keys());
         debug_assert_eq!(method.discs().map(|discs| discs.gaussians), Some(self.settings), "no setting is refused");
-        Frame { color: ColorSpace::Encoded, ..stage::frame(self.camera, self.size, method) }
+        Frame { color: ColorSpace::Encoded, ..frame(self.camera, self.size, method) }
     }
 
     /// Returns the pixels, row by row.

@@ -3,19 +3,14 @@
 //! The error is a difference of color or opacity from float64 over the most that is derived for that pixel, so that the
 //! bound is 1.
 
-use glam::DVec3;
-
-use super::super::CaseRenderer;
 use super::super::discs::roundings;
-use super::super::stage::HALF_ULP;
 use super::splats::SplatView;
-use pellucid_core::points::Points;
-use pellucid_engine::Result;
 use pellucid_reference::range::Range;
 use pellucid_reference::{abuffer, coverage, gaussians, shading};
-use pellucid_scene::{ColorSpace, DiscShape, Discs, Method, Order, Shading};
+use pellucid_scene::{DiscShape, Shading};
 
 use super::alone::Shares;
+use crate::check::prelude::*;
 
 /// Roundings in a color: a base of 0 or 1 and its curve, whose power multiplies two roundings and those of its
 /// logarithm.
@@ -78,7 +73,7 @@ impl Float64Scene<'_> {
     /// Renders it and compares what is clear, of which there must be two thirds of the image; `naive` are the pixels of
     /// another formula.
     pub fn compare(&self, stage: &mut CaseRenderer, method: Method, naive: &[[f64; 4]]) -> Result<Shares> {
-        let frame = pellucid_engine::methods::Frame { color: self.color, ..self.view.frame(method) };
+        let frame = Frame { color: self.color, ..self.view.frame(method) };
         let image = stage.render(self.points, &frame)?.image;
         let (wanted, bounds) = (self.pixels(), self.bounds(&method));
         let mut shares = Shares::NOTHING;

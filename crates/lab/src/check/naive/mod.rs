@@ -3,7 +3,6 @@
 mod fading;
 mod filters;
 pub mod gaussians;
-mod mlab;
 mod points;
 mod soft;
 
@@ -13,7 +12,6 @@ use super::stage::Dot;
 
 pub use fading::{moments, wavelet};
 pub use filters::Filtered;
-pub use mlab::mlab;
 pub use points::{blended, covers, gaussian, half, is_between, pixel, weighted};
 pub use soft::{Soft, disc};
 
@@ -58,4 +56,36 @@ pub fn peel(dots: &[Dot], distance: f32, tolerance: f32, most: u32) -> ([f32; 4]
 pub fn bytes_apart(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
     let (a, b) = (bytemuck::cast_slice::<_, u8>(a), bytemuck::cast_slice::<_, u8>(b));
     (a.iter().zip(b).filter(|(a, b)| a != b).count() + a.len().abs_diff(b.len())) as f64
+}
+
+#[derive(Clone, Copy)]
+struct Node {
+    depth: f32,
+    /// Premultiplied.
+    color: Vec3,
+    through: f32,
+}
+
+fn merged(front: &Node, back: &Node) -> Node {
+    let (color, through) = (front.color + front.through * back.color, front.through * back.through);
+    Node { depth: front.depth, color, through }
+}
+
+/// A pixel of dots in the order in which they come; `nodes` are kept of it at any time. Transmittances are products of
+/// 1 − α.
+pub fn mlab(dots: &[Dot], nodes: usize) -> [f32; 4] {
+    let mut kept: Vec<Node> = Vec::new();
+    for dot in dots {
+        let depth = -dot.position.z as f32;
+        let node = Node { depth, color: dot.opacity * dot.color, through: 1.0 - dot.opacity };
+        let at = kept.partition_point(|other| other.depth <= depth);
+        kept.insert(at, node);
+        if kept.len() > nodes
+            && let (Some(back), Some(front)) = (kept.pop(), kept.pop())
+        {
+            kept.push(merged(&front, &back));
+        }
+    }
+    let whole = kept.into_iter().reduce(|front, back| merged(&front, &back));
+    whole.map_or([0.0; 4], |node| node.color.extend(1.0 - node.through).to_array())
 }

@@ -2,15 +2,11 @@
 
 use std::f64::consts::E;
 
-use glam::{DVec3, Vec3};
-
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
-use crate::check::naive::{self, over};
-use crate::check::stage::{Dot, HALF_ULP, apart, bytes_apart, cloud, composed, dot, graded, mixed, pixels};
-use crate::check::{CaseRenderer, Finding};
-use pellucid_core::camera::{Camera, Projection};
+use crate::check::prelude::*;
+use crate::check::stage::mixed;
 use pellucid_reference::soft::{Behind, Model, Ray, Scene};
-use pellucid_scene::{Density, Method, SoftMethod};
+use pellucid_scene::{Density, SoftMethod};
 
 pub(super) fn inside_one(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let (camera, size) = (wide(90.0, 0.01), [8, 6]);

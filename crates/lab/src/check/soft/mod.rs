@@ -5,13 +5,10 @@ mod rays;
 
 use std::f64::consts::E;
 
-use glam::{DVec3, Vec3};
-
-use super::stage::{Dot, HALF_ULP, ULP, at, cloud, colors_of, perspective};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, naive};
-use pellucid_core::camera::Camera;
+use super::stage::{ULP, colors_of};
+use crate::check::prelude::*;
 use pellucid_reference::soft::{Behind, Model, Scene};
-use pellucid_scene::{Density, Method, OneLayer, Shells, Soft, SoftMethod};
+use pellucid_scene::{Density, OneLayer, Shells, Soft, SoftMethod};
 
 /// Relative error of an optical depth: the guarantee of shaders/shared/absorb.wgsl for its quadrature.
 const INTEGRAL: f64 = 1e-5;

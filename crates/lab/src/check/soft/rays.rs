@@ -2,12 +2,9 @@
 
 use std::f64::consts::{E, PI};
 
-use glam::{DVec3, Vec3};
-
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
-use crate::check::stage::{Dot, HALF_ULP, ULP, apart, pixels};
-use crate::check::{CaseRenderer, Finding, naive};
-use pellucid_core::camera::Camera;
+use crate::check::prelude::*;
+use crate::check::stage::ULP;
 use pellucid_reference::soft::density::antiderivative;
 use pellucid_scene::{Density, Shells, Soft, SoftLayout, SoftMethod};
 

@@ -2,7 +2,7 @@
 
 use pellucid_core::points::{Known, Points};
 use pellucid_engine::passes::portion::{Portion, Runs, joined};
-use pellucid_engine::{Result, methods, passes};
+use pellucid_engine::{Result, methods};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::stored::Stored;
 use pellucid_scene::supply::Failure;
@@ -167,10 +167,5 @@ impl<'a> Dealer<'a> {
 
 /// A failure to read points as an error of rendering.
 pub fn failed(failure: Failure) -> pellucid_engine::Error {
-    let error = match failure {
-        Failure::Coarsest { allowed, points } => passes::Error::Coarsest { allowed, points },
-        Failure::Cancelled => passes::Error::Cancelled,
-        Failure::Store(error) => passes::Error::Store(error),
-    };
-    methods::Error::from(error).into()
+    methods::Error::from(failure).into()
 }

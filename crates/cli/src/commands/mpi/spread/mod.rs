@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use pellucid_core::points::Points;
 use pellucid_core::progress::Phase;
-use pellucid_engine::{Result, methods, passes};
+use pellucid_engine::{Result, methods};
 use pellucid_scene::prepare::{Arranged, Supplied};
 use pellucid_scene::supply::HeldPoints;
 use pellucid_scene::{Error, MethodChoice};
@@ -51,9 +51,9 @@ pub fn open(
     session.frame.depths = session.prepared.request.frame.depths;
     let parts = session.frame.method.threshold().map(|threshold| {
         session.uploaded.cloud.find_parts(threshold, progress)?;
-        Ok((threshold, session.uploaded.cloud.parts(threshold)))
+        Ok::<_, methods::Error>((threshold, session.uploaded.cloud.parts(threshold)))
     });
-    let parts = parts.transpose().map_err(|error: passes::Error| methods::Error::from(error))?;
+    let parts = parts.transpose()?;
     progress.stage("dealing points to ranks");
     let points = session.points();
     let known = points.known().ok_or_else(|| Error::Usage("--spread: the scene has no points".to_owned()))?;

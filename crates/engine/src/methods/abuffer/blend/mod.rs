@@ -14,16 +14,11 @@ use self::classes::{CLASS_PLACED, CLASS_START, CLASS_TOTAL, CLASS_WORDS, class_v
 use self::in_place::in_place_merges;
 use super::passes::*;
 use super::{LOCAL_LENGTH, ListsJob, Room, RunBuffers, Shown};
-use crate::choices::Choices;
-use crate::fields;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
-use crate::methods::Target;
-use crate::passes::bands::Band;
+use crate::gpu::Error;
+use crate::methods::prelude::*;
 use crate::passes::bin::OrderedTiles;
-use crate::passes::compose::{self, Composing, Cut, STOP_EXACT, STOP_NEVER, STOPS};
-use crate::passes::project::Footprint;
-use crate::scene::{Falloff, LongLists};
+use crate::passes::compose::{Composing, STOP_EXACT, STOP_NEVER, STOPS};
+use crate::scene::LongLists;
 
 /// Splats that one run of `abuffer/resolve-ordered` takes of a list: one iteration each.
 const ORDERED_TAKEN: u32 = 32_768;

@@ -1,10 +1,8 @@
 //! Samples of lists, in place of what they are blended to.
 
 use super::{Blender, Blending};
-use crate::gpu::Recorder;
-use crate::methods::Error;
 use crate::methods::abuffer::{Sampled, Samples};
-use crate::passes::compose;
+use crate::methods::prelude::*;
 
 impl Blender {
     /// Records the samples of a band's stored fragments, of every list in order.

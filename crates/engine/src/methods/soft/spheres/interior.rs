@@ -1,9 +1,7 @@
 //! The inside of a sphere: density that falls off, or shells of constant density.
 
 use crate::choices;
-use crate::choices::Choices;
-use crate::gpu::Variant;
-use crate::passes::project::Footprint;
+use crate::methods::prelude::*;
 use crate::passes::tiles::SEGMENT;
 use crate::scene::{MAX_SHELLS, Shells, SoftLayout};
 

@@ -3,11 +3,8 @@
 use super::Spheres;
 use super::interior::SphereKind;
 use super::passes::{BlendRuns, Carry, Samples, Segments, SoftPush, SumRuns};
-use crate::gpu::{Recorder, Slice, Variant};
-use crate::methods::Error;
 use crate::methods::abuffer::{RunBuffers, RunSums, Runs, Sampled};
-use crate::passes::compose::{self, Cut};
-use crate::scene::Falloff;
+use crate::methods::prelude::*;
 
 /// Events of a list that one run of `soft/segments` looks at: one iteration each.
 pub(super) const SEGMENTS_TAKEN: u32 = 49_152;

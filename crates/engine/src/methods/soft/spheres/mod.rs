@@ -22,19 +22,15 @@ pub use passes::*;
 use self::interior::MODEL_BASE;
 use self::long_lists::{run_variant, segments_variant};
 use super::SoftModel;
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
 use crate::methods::abuffer::{
     self, Blending, Bodies, Counting, LOCAL_LENGTH, Needs, Sampled, Sorting, StoreFragments, Storing, occurring,
 };
-use crate::methods::{Error, Layer, Target, splats};
-use crate::passes::bands::Band;
-use crate::passes::compose::{Cut, STOPS};
-use crate::passes::project::Footprint;
+use crate::methods::prelude::*;
+use crate::methods::{Layer, splats};
+use crate::passes::compose::STOPS;
 use crate::passes::raster::{self, Chunk};
 use crate::passes::tiles::SEGMENT;
-use crate::scene::{MAX_SHELLS, Method};
+use crate::scene::MAX_SHELLS;
 
 /// Names of the kernels by the classes of [`abuffer::CLASSES`]; there is no list of a single event.
 pub const RESOLVE: [&str; 7] = [

@@ -306,7 +306,7 @@ impl DeviceCloud {
         let is_known = self.parts.is_some_and(|(known, _)| known == threshold);
         let supplied = self.supplied.as_ref().filter(|_| self.is_sample && self.has_fields && !is_known);
         let Some(supplied) = supplied else { return Ok(()) };
-        let parts = Parts::of_supply(&*supplied.whole, threshold, progress).map_err(supplied::failed)?;
+        let parts = Parts::of_supply(&*supplied.whole, threshold, progress)?;
         self.parts = Some((threshold, parts));
         Ok(())
     }

@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::gpu::{Device, Error, Memory};
 use crate::points::Points;
 use crate::progress::Progress;
-use crate::supply::{self, Cut, CutPicture, Failure, Keep, Limits, Scale, Supply, each};
+use crate::supply::{self, Cut, CutPicture, Keep, Limits, Scale, Supply, each};
 
 /// Source of the points of a cloud, and those of them that are on the device.
 pub(super) struct Supplied {
@@ -119,8 +119,7 @@ impl DeviceCloud {
             nowhere: camera.eye + behind * camera.forward,
             seed,
         };
-        let cut = Cut::new(Arc::clone(&supplied.whole), supplied.spacing, &limits, &picture, progress);
-        let cut = cut.map_err(failed)?;
+        let cut = Cut::new(Arc::clone(&supplied.whole), supplied.spacing, &limits, &picture, progress)?;
         self.max_radius = supply::grown(self.max_radius, cut.most_growth());
         supplied.cut = Some((*wanted, Arc::new(cut)));
         Ok(())
@@ -160,13 +159,13 @@ impl DeviceCloud {
         let keeps = |position, block: u32, reach: Option<f32>| {
             wanted.keeps(position, reach.unwrap_or(all[block as usize].radius))
         };
-        let mut points = supply.take(blocks, Keep::those(&keeps), progress).map_err(failed)?;
+        let mut points = supply.take(blocks, Keep::those(&keeps), progress)?;
         if points.len() as u64 > room {
             return Ok(false);
         }
         if points.is_empty() {
             // Passes want one. It shows nowhere.
-            points = supplied.whole.take(&[0], Keep::ALL, progress).map_err(failed)?.subset(&[0], 1.0);
+            points = supplied.whole.take(&[0], Keep::ALL, progress)?.subset(&[0], 1.0);
             if let Some((_, cut)) = &supplied.cut {
                 points.positions.fill(cut.nowhere());
             }
@@ -183,13 +182,13 @@ impl DeviceCloud {
     ///
     /// # Errors
     /// The points can't be taken, or there is no memory for them; those of `see`.
-    pub fn show_all<E: From<crate::passes::Error>>(
+    pub fn show_all(
         &mut self,
         device: &Device,
         room: u64,
         progress: &Progress,
-        mut see: impl FnMut(&mut Self) -> Result<(), E>,
-    ) -> Result<(), E> {
+        mut see: impl FnMut(&mut Self) -> Result<(), crate::passes::Error>,
+    ) -> Result<(), crate::passes::Error> {
         let Some(supply) = self.supply() else { return Ok(()) };
         let mut seen = Ok(());
         let show = |points: &Points| {
@@ -197,11 +196,11 @@ impl DeviceCloud {
             for some in places.chunks(usize::try_from(room).unwrap_or(usize::MAX).max(1)) {
                 if seen.is_ok() {
                     let put = self.put(device, &points.subset(some, 1.0));
-                    seen = put.map_err(|error| E::from(error.into())).and_then(|()| see(self));
+                    seen = put.map_err(Into::into).and_then(|()| see(self));
                 }
             }
         };
-        each(&*supply, room, progress, show).map_err(failed)?;
+        each(&*supply, room, progress, show)?;
         seen
     }
 
@@ -264,13 +263,5 @@ impl DeviceCloud {
         self.orders = [None, None, None];
         self.casting = None;
         Ok(())
-    }
-}
-
-pub(super) fn failed(failure: Failure) -> crate::passes::Error {
-    match failure {
-        Failure::Coarsest { allowed, points } => crate::passes::Error::Coarsest { allowed, points },
-        Failure::Cancelled => crate::passes::Error::Cancelled,
-        Failure::Store(error) => crate::passes::Error::Store(error),
     }
 }

@@ -3,14 +3,16 @@
 
 mod measure;
 mod rows;
-mod table;
 
+use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
+
+use crate::report::page::{ReportTable, digits};
+use crate::report::tradeoff::figures::short;
+use crate::report::tradeoff::page::{error, percent};
 
 pub(super) use measure::{Effort, measure};
 pub(super) use rows::{Change, changes};
-pub use table::causes_table;
-pub(super) use table::page;
 
 /// The image of `abuffer` with one thing changed, or that of `hybrid`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,4 +39,56 @@ pub struct Cause {
     pub gpu_ms: f64,
     /// File name of the absolute difference, [`DIFFERENCE_GAIN`](super::DIFFERENCE_GAIN) times as bright.
     pub difference: String,
+}
+
+/// The section of the page; nothing without causes.
+pub(super) fn page(causes: &[Cause]) -> Markup {
+    let table = ReportTable::new(causes)
+        .text("cause", |cause| &cause.cause)
+        .text("setting", changed)
+        .number("RMSE", error, |cause| cause.rmse)
+        .number("FLIP", error, |cause| cause.flip)
+        .number("largest", error, |cause| cause.max)
+        .number("% off", percent, |cause| cause.above_1_255)
+        .number("ms", digits, |cause| cause.gpu_ms)
+        .text("what it means", |cause| &cause.meaning);
+    html! {
+        @if !causes.is_empty() {
+            h2 { "Error by cause" }
+            p {
+                "The table shows what each approximation of Gaussian splats does to this image by itself. Each row changes one thing "
+                "of the image of " code { "abuffer" } " and compares it with the exact image of the scene's own kernel and order. "
+                "“Exact” holds for these; which of two images looks better depends on how the splats were trained. “% off” is the "
+                "share of pixels with a channel off by more than 1/255; times are the shorter of two frames. "
+                code { "cause-….png" } " beside this page show where the differences are."
+            }
+            div.sentences { (table.html()) }
+        }
+    }
+}
+
+/// The causes and their figures as a table for a terminal, without what they mean; empty without causes.
+pub fn causes_table(causes: &[Cause]) -> String {
+    if causes.is_empty() {
+        return String::new();
+    }
+    let error = |value: f64| format!("{value:.2e}");
+    let table = ReportTable::new(causes)
+        .text("cause", |cause| &cause.cause)
+        .text("changed", changed)
+        .number("RMSE", error, |cause| cause.rmse)
+        .number("FLIP", error, |cause| cause.flip)
+        .number("largest", error, |cause| cause.max)
+        .number("> 1/255", |share| format!("{:.2}%", 100.0 * share), |cause| cause.above_1_255)
+        .number("ms", |ms| format!("{ms:.2}"), |cause| cause.gpu_ms);
+    let about = "by cause: the exact image of this kernel and order, compared with itself with one thing changed";
+    format!("{about}\n{}\n", table.terminal())
+}
+
+/// The setting, and what it is compared with if that is not the scene's image.
+fn changed(cause: &Cause) -> String {
+    match cause.against.as_str() {
+        "" => short(&cause.setting),
+        against => format!("{} against {}", short(&cause.setting), short(against)),
+    }
 }

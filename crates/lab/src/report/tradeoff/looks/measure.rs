@@ -60,7 +60,7 @@ pub(in super::super) fn look(exact: &Exact<'_>, image: &LinearImage) -> Option<L
         leak: exact.unordered.map(|_| leak),
         ghost,
         noise: others - ghost,
-        worst: worst::worst(exact.reference, image),
+        worst: worst(exact.reference, image),
     })
 }
 

@@ -6,8 +6,7 @@ use maud::{Markup, html};
 use pellucid_io::output;
 
 use super::super::pictures::{cropped, read, uri};
-use super::super::{DIFFERENCE_GAIN, Tradeoff};
-use super::text::sentences;
+use super::super::{DIFFERENCE_GAIN, Row, Tradeoff};
 use super::{Look, Worst, shown};
 use crate::report::page::{ReportTable, digits};
 use crate::report::tradeoff::page::{error, percent};
@@ -106,5 +105,93 @@ fn around(Look { worst, .. }: &Look, crops: &[String; 3]) -> Markup {
                 (y) " on, each pixel " (SCALE) " times as wide."
             }
         }
+    }
+}
+
+/// Half a step of 8 bits: no picture of 8 bits shows less.
+const LEAST_SHOWN: f64 = 0.5 / 255.0;
+/// Smaller shares are not listed.
+const LEAST_SHARE: f64 = 0.05;
+/// A bias that is a smaller part of the RMSE is none to speak of.
+const LEAST_BIAS: f64 = 0.1;
+
+/// Returns a sentence about the size and the sign of the error, and a sentence about its parts.
+pub(super) fn sentences(row: &Row, look: &Look) -> [String; 2] {
+    let rmse = error(row.errors.rmse);
+    let size = if row.errors.max < LEAST_SHOWN {
+        format!("An error of at most {} shows in no picture of 8 bits (RMSE {rmse})", error(row.errors.max))
+    } else if look.bias.abs() < LEAST_BIAS * row.errors.rmse {
+        format!("With an RMSE of {rmse} it is neither brighter nor darker than the exact image on average")
+    } else {
+        let side = if look.bias > 0.0 { "bright" } else { "dark" };
+        format!("With an RMSE of {rmse} it is too {side} by {} on average", error(look.bias.abs()))
+    };
+    let mut parts = parts(look);
+    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let listed: Vec<String> = parts
+        .iter()
+        .filter(|(share, _)| *share >= LEAST_SHARE)
+        .map(|(share, what)| format!("{:.0} % {what}", 100.0 * share))
+        .collect();
+    [format!("{size}."), format!("Its squared error is {}.", joined(&listed))]
+}
+
+/// Shares and what they are.
+fn parts(look: &Look) -> [(f64, &'static str); 4] {
+    let leak = look.leak.unwrap_or(0.0);
+    let order = if leak < 0.0 {
+        "the opposite of leak (hidden colors are too weak)"
+    } else {
+        "leak (hidden colors come through)"
+    };
+    [
+        (look.even, "an even shift (the same everywhere)"),
+        (leak.abs(), order),
+        (look.ghost, "ghosts (shapes that are not there)"),
+        (look.noise, "noise (from pixel to pixel)"),
+    ]
+}
+
+fn joined(parts: &[String]) -> String {
+    match parts {
+        [] => "nothing".to_owned(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tradeoff::Errors;
+    use crate::report::tradeoff::looks::Worst;
+
+    fn look(bias: f64, [even, leak, ghost, noise]: [f64; 4]) -> Look {
+        Look { bias, even, leak: Some(leak), ghost, noise, worst: Worst { x: 0, y: 0, side: 1, share: 1.0 } }
+    }
+
+    fn row(rmse: f64, max: f64) -> Row {
+        let errors = Errors { rmse, max, ..Errors::default() };
+        Row { method: "moments".into(), setting: "method.moments=8".into(), errors, ..Row::default() }
+    }
+
+    #[test]
+    fn two_sentences_say_how_large_and_what() {
+        let [size, what] = sentences(&row(0.02, 0.3), &look(-0.012, [0.04, 0.6, 0.2, 0.16]));
+        assert_eq!(size, "With an RMSE of 0.0200 it is too dark by 0.0120 on average.");
+        assert_eq!(
+            what,
+            "Its squared error is 60 % leak (hidden colors come through), 20 % ghosts (shapes that are not there) and 16 % noise (from \
+             pixel to pixel)."
+        );
+        let [size, what] = sentences(&row(0.02, 0.3), &look(0.001, [0.0, -1.0, 0.0, 0.0]));
+        assert!(size.contains("neither brighter nor darker"), "{size}");
+        assert_eq!(what, "Its squared error is 100 % the opposite of leak (hidden colors are too weak).");
+        let [size, _] = sentences(&row(0.0005, 0.001), &look(0.0005, [1.0, 0.0, 0.0, 0.0]));
+        assert_eq!(size, "An error of at most 0.00100 shows in no picture of 8 bits (RMSE 5.0e−4).");
+        let [size, what] = sentences(&row(0.02, 0.3), &look(0.02, [1.0, 0.0, 0.0, 0.0]));
+        assert!(size.contains("too bright by 0.0200"), "{size}");
+        assert_eq!(what, "Its squared error is 100 % an even shift (the same everywhere).");
+        assert_eq!(row(0.0, 0.0).name(), "moments moments=8");
     }
 }

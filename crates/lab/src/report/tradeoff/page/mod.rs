@@ -2,21 +2,21 @@
 
 mod comparison;
 mod convergence;
-mod passes;
 mod surfaces;
+
+use std::cmp::Reverse;
 
 use maud::{Markup, PreEscaped, html};
 
 use self::comparison::compared;
 use self::convergence::{bias, blended, convergence};
-use self::passes::passes;
 use self::surfaces::{about_surfaces, iterations, shaded};
-use super::causes;
 use super::figures::short;
-use super::looks;
 use super::pictures::Pictures;
-use super::{Row, Tradeoff};
-use crate::report::page::{Drawn, ReportTable, count, digits, facts, grouped, mib, page, script, sorting};
+use super::{Row, Tradeoff, causes, looks};
+use crate::report::page::{
+    Drawn, ReportTable, count, digits, facts, grouped, mib, page, passes as table_of, script, sorting,
+};
 use crate::report::popping;
 
 const STYLE: &str = "
@@ -268,4 +268,29 @@ fn method(report: &Tradeoff) -> Markup {
         }
         }
     }
+}
+
+/// A table of passes for each method.
+fn passes(report: &Tradeoff) -> Markup {
+    let mut methods: Vec<&str> = report.rows.iter().map(|row| row.method.as_str()).collect();
+    methods.dedup();
+    html! {
+        p { "Median device time in ms. An empty cell means that the pass did not run." }
+        @for method in methods {
+            @let rows: Vec<&Row> = report.rows.iter().filter(|row| row.method == method).collect();
+            details { summary { (method) } (passes_of(&rows)) }
+        }
+    }
+}
+
+fn passes_of<'a>(rows: &[&'a Row]) -> Markup {
+    // The longest list first: most of the others' passes are in it, and in their order.
+    let mut by_length = rows.to_vec();
+    by_length.sort_by_key(|row| Reverse(row.passes.len()));
+    let names = by_length.iter().flat_map(|row| &row.passes).map(|(name, _)| name.as_str()).collect();
+    let frame = |row: &&'a Row| {
+        let head = if row.setting.is_empty() { "defaults".to_owned() } else { short(&row.setting) };
+        (head, row.passes.iter().map(|(name, ms)| (name.as_str(), *ms)).collect(), row.gpu_ms.median)
+    };
+    table_of("pass", names, rows.iter().map(frame).collect())
 }

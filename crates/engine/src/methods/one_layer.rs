@@ -1,17 +1,52 @@
-//! The engine of `one-layer`.
+//! `one-layer`: the nearest soft points make a transparent layer before everything else, which is opaque (Seemann et
+//! al. 2018). Three-pass splats ([`super::splats`]) of the soft points give the layer; those of all points, soft ones
+//! only where they lie behind it, give the rest.
+//!
+//! Reference: `pellucid_reference::one_layer`.
 
-use super::record;
+use super::{Pixels, tiled};
 use crate::gpu::DeviceInfo;
 use crate::methods::abuffer::{self, list_bytes};
-use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Engine, Work, windows_of};
-use crate::methods::explain::{Absent, Explain, FramePlan, PassGroup};
+use crate::methods::prelude::*;
 use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
-use crate::methods::{Buffers, Error, Frame, Outcome, tiled};
-use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{CloudPart, DeviceCloud, Footprint, Stats};
-use crate::passes::raster::{Raster, Walker};
 use crate::scene::{BlendedSplats, OneLayer};
+
+gpu_struct! {
+    /// Push constants of `one-layer/compose`: pixels of the window, and the layer's opacity.
+    pub struct ComposePush {
+        count: u32,
+        softness: f32, // Opacity of the layer.
+    }
+}
+
+pass! {
+    /// Composes the splats of the soft points over those of all others in each pixel, where they lie before the solid
+    /// ones.
+    pub Compose(ComposePush) = "one-layer/compose" in "one_layer/compose" {
+        layer: Read<[f32; 4]>,
+        layer_depths: Read<f32>,
+        into: Shared<PixelsGroup>,
+    }
+}
+
+/// Records the layer of a window over the opaque pixels.
+pub fn record<'a>(
+    recorder: &mut Recorder<'a>,
+    layer: Pixels<'a>,
+    onto: Pixels<'a>,
+    window: Window,
+    softness: f32,
+) -> Result<(), Error> {
+    let pixels = bands::pixels(window);
+    let pass = Compose { layer: layer.image, layer_depths: layer.depths, into: onto };
+    let push = ComposePush { count: pixels as u32, softness };
+    Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)))?)
+}
+
+/// Returns the pass.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::plain::<Compose>()]
+}
 
 /// The nearest soft points as a transparent layer over everything else.
 pub(crate) struct OneLayerEngine {
@@ -38,10 +73,11 @@ fn draw(
 /// Counts the splats of each pixel.
 fn count(
     cloud: &DeviceCloud,
-    Buffers { tiles, resources }: &mut Buffers,
+    buffers: &mut Buffers,
     work: &mut Work<'_>,
     (stats, footprint): Splats<'_>,
 ) -> Result<Outcome, Error> {
+    let Buffers { tiles, resources } = buffers;
     let Some(budget) = work.reserve_tiles(tiles, stats, true)? else { return Ok(Outcome::Overflow) };
     work.budget = budget;
     let raster = Raster { cloud, stats, tiles, walker: Walker::Compute, footprint, window: work.window };

@@ -5,23 +5,14 @@
 //! are left out. Layers are submitted by the batch, their dispatches indirect: after a layer without a point the device
 //! makes those that follow empty, and the host looks only between batches.
 
-mod engine;
-
-pub(crate) use engine::{PeelLayersEngine, pass_group};
-
-use super::engine::Work;
-use super::image_space::{DeliverPush, Emptied, FilterJob, Filterer};
+use super::image_space::{self, DeliverPush, Emptied, FilterJob, Filterer, Filtering};
 use super::own::FamilyBuffers;
 use super::peel::{Next, PeelWork};
 use super::told::Told;
-use super::{Error, Target};
-use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Scratch, Slice, Variant};
-use crate::passes::bands::{self, Window};
-use crate::passes::compose::Cut;
+use crate::methods::prelude::*;
 use crate::passes::foresight::Knowledge;
 use crate::passes::project::points_dispatch;
-use crate::{fields, gpu_struct, pass};
+use crate::scene::PeelLayers;
 
 /// Layers of a submission: what is recorded beyond the last layer costs something, too.
 const BATCH: u32 = 8;
@@ -224,4 +215,71 @@ impl LayerPeeler {
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![Shader::new::<Blend>([false, true].map(blend_variant))]
+}
+
+/// Layers of filtered images of points, blended.
+pub(crate) struct PeelLayersEngine {
+    /// Filters and layers.
+    pub settings: PeelLayers,
+}
+
+impl PeelLayersEngine {
+    fn filtering(&self) -> Filtering {
+        Filtering { filters: self.settings.filters, layers: Some(self.settings.layers) }
+    }
+}
+
+impl Engine for PeelLayersEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        self.filtering().windows(frame, budget)
+    }
+
+    fn renders_to_survey(&self) -> bool {
+        true
+    }
+
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
+        PointExtent::pixels(self.filtering().halo().into())
+    }
+
+    fn projects(&self) -> bool {
+        false
+    }
+
+    fn channels(&self) -> Channels {
+        Channels { layers: true, ..Channels::NONE }
+    }
+
+    /// Only peeling finds the number of layers, so a survey peels, too.
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let how = work.frame.projecting_points(cloud);
+        let image = self.filtering().job(cloud, work, &how);
+        let (layers, counted, read_back) = (self.settings.layers, work.frame.fragments, !work.survey);
+        let peeler = buffers.resources.own.of::<LayerPeeler>(work.device)?;
+        peeler.render(work, &LayersJob { image, layers, counted, read_back })?;
+        image_space::finish(cloud, work);
+        Ok(Outcome::Done)
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        let peeler = buffers.resources.own.there::<LayerPeeler>().filter(|_| frame.fragments);
+        let layers = peeler.map(|peeler| peeler.read_layers(window)).transpose()?;
+        Ok(Counts { layers, ..Counts::default() })
+    }
+}
+
+impl Explain for PeelLayersEngine {
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        image_space::least_bytes(pass.name, pass.facts, pass.cloud, self.settings.filters.cull)
+    }
+
+    fn explain(&self, plan: &mut FramePlan<'_>) {
+        self.filtering().explain(plan);
+    }
+}
+
+/// Returns the passes that layers of filtered images have besides those of one.
+pub(crate) fn pass_group() -> PassGroup {
+    let names = ["peel-layers/clear", "peel-layers/next", "peel-layers/blend", "peel-layers/summary"];
+    PassGroup::new(&names, Absent::Method("no layers of point surfaces"))
 }

@@ -10,25 +10,15 @@
 //! out again is then some 2⁻⁴⁸σ, and its chord is at least 2⁻²⁴ of the depths: its optical depth is so large wherever
 //! the rest shows that nothing is seen behind it.
 
-mod passes;
-
-pub use passes::*;
-
 use super::abuffer::{
-    self, Blending, Bodies, Counting, LOCAL_LENGTH, Needs, RUN_PIXEL_BYTES, RunSums, Runs, Sampled, Shown,
-    StoreFragments, Storing, composing_variant,
+    self, Blending, Bodies, Counting, LOCAL_LENGTH, ListedGroup, Needs, Partial, RUN_PIXEL_BYTES, RunSums, Runs,
+    Sampled, SampledGroup, Shown, SortedGroup, StoreFragments, Storing, composing_variant,
 };
 use super::soft::record_carry;
-use super::{Error, linked_list};
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Slice, Variant};
-use crate::passes::bands::Band;
-use crate::passes::compose::{self, Cut};
-use crate::passes::project::Footprint;
-use crate::passes::raster::{self, Chunk};
+use crate::methods::linked_list::{self, LinkingGroup};
+use crate::methods::prelude::*;
+use crate::passes::raster::{self, Chunk, ChunkGroup, RasterPush};
 use crate::passes::tiles::SEGMENT;
-use crate::scene::Falloff;
 
 /// Events of ellipsoids and surfaces.
 #[derive(Debug, Clone, Copy)]
@@ -148,4 +138,57 @@ pub fn shaders() -> Vec<Shader> {
         Shader::new::<Median>(runs()),
         Shader::new::<Samples>(runs().flat_map(|run| [false, true].map(|bodies| samples_variant(run.clone(), bodies)))),
     ]
+}
+
+pass! {
+    /// Counts the events of each pixel, and what they are of: an ellipsoid that its ray enters and leaves, or a
+    /// surface.
+    pub Count(RasterPush) = "ellipsoids/count" {
+        chunk: Shared<ChunkGroup>,
+        counts: ReadWrite<u32>,
+        bodies: ReadWrite<u32>,
+    }
+
+    /// Stores the depth key and index of each event in a slot of its pixel's range.
+    pub Store(RasterPush) = "ellipsoids/store" {
+        chunk: Shared<ChunkGroup>,
+        cursors: ReadWrite<u32>,
+        fragments: ReadWrite<[u32; 2]>,
+    }
+
+    /// Takes a node for each event, and puts it before the pixel's list, for `linked-list`.
+    pub Link(RasterPush) = "ellipsoids/link" {
+        chunk: Shared<ChunkGroup>,
+        lists: Shared<LinkingGroup>,
+    }
+
+    /// Sums what the events of each run of a sorted list of several add to color and density of what is open.
+    pub SumRuns = "ellipsoids/sum-runs" in "ellipsoids/sum_runs" {
+        sorted: Shared<SortedGroup>,
+        sums: ReadWrite<RunSums>,
+    }
+
+    /// Finds the depth at which each list first lets through half of the light or less, for eye-dome lighting and
+    /// `depth.median`, from its composed runs and the events of one.
+    pub Median = "ellipsoids/median" {
+        sorted: Shared<ListedGroup>,
+        sums: Read<RunSums>,
+        partials: Read<Partial>,
+        depths: ReadWrite<f32>,
+    }
+
+    /// Composes the surfaces of each run, and the segments between events.
+    pub BlendRuns = "ellipsoids/blend-runs" in "ellipsoids/blend_runs" {
+        sorted: Shared<SortedGroup>,
+        sums: Read<RunSums>,
+        partials: ReadWrite<Partial>,
+    }
+
+    /// Writes the surfaces of each run of a sorted list and the pieces of the ray between events, for a deep EXR; or
+    /// each ellipsoid as a whole, where no sample is to be split.
+    pub Samples = "ellipsoids/samples" {
+        sorted: Shared<SortedGroup>,
+        sums: Read<RunSums>,
+        samples: Shared<SampledGroup>,
+    }
 }

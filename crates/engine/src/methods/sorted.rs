@@ -3,18 +3,10 @@
 //!
 //! The order is that of the A-buffer, depth and then content.
 
-mod engine;
-
-pub(crate) use engine::SortedEngine;
-
-use super::{Error, Frame, PixelsGroup, Target};
-use crate::gpu::shader::Shader;
-use crate::gpu::{Recorder, Variant};
-use crate::passes::bin::{self, Binned, Bins, OneRun, TileWalk, TiledGroup};
-use crate::passes::compose::{self, STOPS};
-use crate::passes::raster::Raster;
-use crate::scene::Falloff;
-use crate::{gpu_struct, pass};
+use crate::methods::prelude::*;
+use crate::methods::tiled::{self, Stage, TiledEngine};
+use crate::passes::bin::{self, OneRun, Order, TileWalk, TiledGroup};
+use crate::passes::compose::STOPS;
 
 gpu_struct! {
     /// Push constants of `sorted/blend`.
@@ -61,4 +53,51 @@ fn blend_variant(shape: Variant, run: OneRun, stop: u32) -> Variant {
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![Shader::new::<Blend>(bin::run_variants(compose::variants(), &STOPS, blend_variant))]
+}
+
+/// Splats sorted once, blended tile by tile.
+pub(crate) struct SortedEngine {
+    /// The discs.
+    pub discs: Discs,
+}
+
+impl Stage for SortedEngine {
+    fn discs(&self) -> Discs {
+        self.discs
+    }
+
+    fn order(&self) -> Order {
+        Order::Depth
+    }
+
+    fn draw(
+        &self,
+        resources: &mut Resources,
+        work: &mut Work<'_>,
+        bin: bin::Job<'_>,
+        max_color: f32,
+    ) -> Result<Outcome, Error> {
+        let (device, frame, target) = (work.device, work.frame, work.target);
+        tiled::blend(&mut resources.bins, work, (&bin, 0), "sorted/blend", |bins, work, binned| {
+            let mut recorder = work.timeline.recorder(device)?;
+            let splats = (bin.raster, self.discs.falloff, max_color);
+            record_blend(bins, &mut recorder, frame, splats, binned, target)?;
+            Ok(Some(recorder))
+        })
+    }
+}
+
+impl TiledEngine for SortedEngine {
+    /// Splats of a tile are composed in runs of 2048: another tile would group them in another way.
+    fn windows(&self, frame: &Frame, budget: Budget) -> Vec<Window> {
+        bands::tile_windows(frame.size, budget.window_pixels(tiled::counted_bytes(frame)))
+    }
+
+    fn halves(&self, window: Window) -> Option<[Window; 2]> {
+        bands::tile_halves(window)
+    }
+
+    fn passes(&self) -> &'static [&'static str] {
+        &["sorted/blend"]
+    }
 }

@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use bytesize::ByteSize;
 
-use super::parts::PartError;
-use crate::passes;
 use crate::progress::Cancelled;
+use crate::supply::Failure;
 
 /// Reason why a frame cannot be rendered.
 #[derive(Debug, thiserror::Error)]
@@ -70,7 +69,7 @@ pub enum Error {
         method: &'static str,
     },
     /// Samples in parts, of a frame whose samples can't be drawn in parts
-    /// ([`Frame::sample_steps`](super::Frame::sample_steps)).
+    /// ([`Frame::sample_steps`](crate::methods::Frame::sample_steps)).
     #[error(
         "method {method} with these settings draws no random samples that could be cut into parts; spbr, spbr-simplified and stochastic without a limit on the error do"
     )]
@@ -284,19 +283,12 @@ pub enum Error {
     },
 }
 
-impl From<passes::Error> for Error {
-    fn from(error: passes::Error) -> Self {
-        match error {
-            passes::Error::Gpu(error) => Self::Gpu(error),
-            passes::Error::NoSubgroups { device } => Self::NoSubgroups { device },
-            passes::Error::TooManyPoints { points, limit } => Self::TooManyPoints { points, limit },
-            passes::Error::SortOverBudget { points, needed, available, budget } => {
-                Self::SortOverBudget { points, needed, available, budget }
-            }
-            passes::Error::Store(error) => Self::Store(error),
-            passes::Error::Coarsest { allowed, points } => Self::Coarsest { allowed, points },
-            passes::Error::Unforeseen => Self::Unforeseen,
-            passes::Error::Cancelled => Self::Cancelled,
+impl From<Failure> for Error {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Coarsest { allowed, points } => Self::Coarsest { allowed, points },
+            Failure::Cancelled => Self::Cancelled,
+            Failure::Store(error) => Self::Store(error),
         }
     }
 }
@@ -305,6 +297,34 @@ impl From<Cancelled> for Error {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
     }
+}
+
+/// Reason why parts of a frame's samples can't be put together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartError {
+    /// Something that was sent as a part is none.
+    #[error("this is no part of a frame's samples: {0}")]
+    Damaged(&'static str),
+    /// Parts of frames with another method, size, number of samples, or other channels.
+    #[error("parts of a frame's samples that belong to different frames")]
+    Different,
+    /// Two parts hold the same samples.
+    #[error("samples {start} to {end} of a frame are in two of its parts")]
+    Twice {
+        /// The first of them.
+        start: u32,
+        /// One past the last.
+        end: u32,
+    },
+    /// Samples that are in no part.
+    #[error("of {total} samples of a frame, those from {first} on are in none of its parts")]
+    Missing {
+        /// The first of them.
+        first: u32,
+        /// All samples of the frame.
+        total: u32,
+    },
 }
 
 /// A budget as a message prints it: rounded up, so that the printed value suffices.

@@ -3,21 +3,9 @@
 //!
 //! The equations are those of the other opaque methods ([`super::opaque`]), the projection is `project/splats`'s own.
 
-mod engine;
-
-pub(crate) use engine::{PointsEngine, pass_group};
-
-use super::engine::Work;
-use super::opaque::{NearestSplat, Opaque};
-use super::{Error, PixelsGroup};
-use crate::choices::Choices;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
-use crate::pass;
-use crate::passes::compose::Cut;
-use crate::passes::project::{
-    DeviceCloud, POINTS_RUN, Places, PlacesGroup, PointsPush, Projecting, Shaded, Stats, View, points_dispatch,
-};
+use super::opaque::{self, NearestSplat, Opaque};
+use crate::methods::prelude::*;
+use crate::passes::project::{POINTS_RUN, Places, PlacesGroup, PointsPush, Shaded, View, points_dispatch};
 use crate::passes::raster::CountPush;
 
 pass! {
@@ -160,4 +148,67 @@ pub fn shaders() -> Vec<Shader> {
         Shader::new::<NearestId>(variants()),
         Shader::new::<Resolve>(Shaded::cut_variants()),
     ]
+}
+
+/// 1-pixel points.
+pub(crate) struct PointsEngine;
+
+impl Engine for PointsEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(windows_of(frame, budget, opaque::PIXEL_BYTES))
+    }
+
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
+        PointExtent::pixels(0.0)
+    }
+
+    fn projects(&self) -> bool {
+        false
+    }
+
+    /// A survey projects points to splats of one pixel, which yields the number of visible ones without drawing any.
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let Buffers { tiles, resources } = buffers;
+        let how = work.frame.projecting_points(cloud);
+        let stats = if work.survey {
+            let stats = work.project(cloud, &how)?;
+            if work.reserve_tiles(tiles, &stats, true)?.is_none() {
+                return Ok(Outcome::Overflow);
+            }
+            stats.to_vec()
+        } else {
+            cloud.set_view(&work.frame.camera, work.frame.size, work.window, &how);
+            resources.own.of::<Opaque>(work.device)?.render_points(work, cloud, &how)?
+        };
+        work.finish();
+        work.facts.note(&stats, Walker::Compute);
+        Ok(Outcome::Done)
+    }
+}
+
+impl Explain for PointsEngine {
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        let (facts, pixels) = (pass.facts, pass.pixels());
+        match pass.name {
+            "project/clear" => Some(pixels * 8),
+            "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
+            "points/resolve" => Some(pixels * (8 + 16 + 20)),
+            _ => None,
+        }
+    }
+
+    fn explain(&self, plan: &mut FramePlan<'_>) {
+        plan.cleared();
+        plan.not_projected();
+        plan.nearest(NEAREST, plan.facts.points > 0, plan.why);
+        plan.found();
+        let shading = plan.shading();
+        plan.add("points/resolve", true, format!("turns the index of the nearest point into a color; {shading}"));
+    }
+}
+
+/// Returns the passes of 1-pixel points.
+pub(crate) fn pass_group() -> PassGroup {
+    let names = NEAREST.into_iter().chain(["points/resolve"]).collect();
+    PassGroup { names, absent: Absent::Method("no 1-pixel points") }
 }
