@@ -118,6 +118,7 @@ pub struct Generated {
 /// Reason why a built-in scene could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "messages say what the fields are")]
 pub enum Error {
     /// No scene has this name.
     #[error("no built-in scene is called \"{name}\"{hint}; expected one of {known}")]
@@ -143,28 +144,10 @@ pub enum Error {
     },
     /// A value outside its range, NaN included.
     #[error("{scene}: {name} = {value} is out of range; it must lie from {min} to {max}")]
-    OutOfRange {
-        /// The scene.
-        scene: &'static str,
-        /// The parameter.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-        /// Smallest value allowed.
-        min: f64,
-        /// Largest value allowed.
-        max: f64,
-    },
+    OutOfRange { scene: &'static str, name: &'static str, value: f64, min: f64, max: f64 },
     /// A count with a fraction.
     #[error("{scene}: {name} = {value} is a count and must be a whole number")]
-    NotInteger {
-        /// The scene.
-        scene: &'static str,
-        /// The parameter.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-    },
+    NotInteger { scene: &'static str, name: &'static str, value: f64 },
     /// No radius gives the wanted mean number of layers with this many points.
     #[error(
         "volume: {points} points cannot give layers = {layers}: a radius of 0 gives {least:.3} and one that fills the \
@@ -195,20 +178,10 @@ pub enum Error {
     },
     /// More values than available colors.
     #[error("iso: {values} values, but at most {most} are allowed")]
-    TooManySurfaces {
-        /// The number of given values.
-        values: usize,
-        /// The largest allowed number.
-        most: usize,
-    },
+    TooManySurfaces { values: usize, most: usize },
     /// Not enough memory for the points.
     #[error("{points} points need {bytes} bytes, more than can be allocated; ask for fewer points")]
-    TooLarge {
-        /// Points asked for.
-        points: usize,
-        /// The memory they need.
-        bytes: usize,
-    },
+    TooLarge { points: usize, bytes: usize },
 }
 
 /// Makes the built-in scene `name`.

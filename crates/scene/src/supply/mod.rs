@@ -111,18 +111,14 @@ pub fn grown(radius: f32, factor: f32) -> f32 {
 
 /// Reason why points can't be taken.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "messages say what the fields are")]
 pub enum Failure {
     /// The store failed.
     #[error("{0}")]
     Store(#[from] Arc<pellucid_io::Error>),
     /// The coarsest level has more points than are allowed.
     #[error("{points} points of the coarsest level are in the picture, {allowed} are allowed")]
-    Coarsest {
-        /// Points that are allowed.
-        allowed: u64,
-        /// Points in the picture.
-        points: u64,
-    },
+    Coarsest { allowed: u64, points: u64 },
     /// Somebody who watches the progress wanted the work to end.
     #[error("cancelled")]
     Cancelled,

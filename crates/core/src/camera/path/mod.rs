@@ -100,15 +100,11 @@ impl Problem {
 /// Reason why a file of cameras can't be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "messages say what the fields are")]
 pub enum Error {
     /// The file can't be read.
     #[error("{path}: can't read the camera path: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// The text is not valid, at this line and column.
     #[error("{path}:{line}:{column}: {message}", path = path.display())]
     Syntax {
@@ -123,12 +119,7 @@ pub enum Error {
     },
     /// The file is readable, but its content is not a valid path.
     #[error("{path}: {problem}", path = path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// The defect and its position.
-        problem: Problem,
-    },
+    Content { path: PathBuf, problem: Problem },
 }
 
 impl Error {
