@@ -11,7 +11,6 @@ mod rectangle;
 mod spans;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 pub use self::density::Strength;
 pub use self::ray::{Chord, Ray};
@@ -19,6 +18,7 @@ pub use self::spans::{Limits, Medium, Span, in_8_bits};
 use super::ReferencePicture;
 use super::coverage::is_in_depth;
 use pellucid_core::camera::Camera;
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 use pellucid_scene::{MAX_SHELLS, Shells, Soft, SoftMethod};
 
@@ -181,7 +181,7 @@ impl Scene<'_> {
             return each.map(|(list, pixel)| express::blend(list, self.colors, &behind(*pixel))).collect();
         }
         let spheres = self.spheres();
-        wanted.par_iter().map(|pixel| self.pixel(*pixel, spheres.iter(), &behind(*pixel))).collect()
+        parallel::gather(wanted.len(), |i| self.pixel(wanted[i], spheres.iter(), &behind(wanted[i])))
     }
 
     /// Renders the whole image. `behind` gives the background of a pixel.
@@ -208,9 +208,9 @@ impl Scene<'_> {
         for (i, [_, y0, _, y1]) in rectangles.iter().enumerate() {
             of_row[*y0 as usize..*y1 as usize].iter_mut().for_each(|row| row.push(i));
         }
-        let row = |(y, members): (usize, &Vec<usize>)| {
+        let row = |y: usize| {
             let mut of_pixel = vec![Vec::new(); width];
-            for i in members {
+            for i in &of_row[y] {
                 let [x0, _, x1, _] = rectangles[*i];
                 of_pixel[x0 as usize..x1 as usize].iter_mut().for_each(|pixel| pixel.push(*i));
             }
@@ -220,6 +220,6 @@ impl Scene<'_> {
             };
             of_pixel.into_iter().enumerate().map(pixel).collect::<Vec<_>>()
         };
-        of_row.par_iter().enumerate().flat_map_iter(row).collect()
+        parallel::gather(of_row.len(), row).concat()
     }
 }
