@@ -1,6 +1,7 @@
 //! The camera of a scene: as given, and where nothing is given so that the whole scene fits into the image.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::broadest_side::broadest_side;
 use super::error::Error;
