@@ -48,7 +48,7 @@ const START: u64 = 512;
 /// Reason why a file could not be read or written. Every message starts with the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// The file doesn't exist.
     #[error("{}: no such file", .0.display())]

@@ -19,16 +19,10 @@ pub enum OpenError {
 
 /// The position of a key or value.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Place {
-    /// Position in a file; line and column count from 1, columns in characters.
-    File {
-        /// The file as it was named.
-        path: String,
-        /// Line.
-        line: usize,
-        /// Column.
-        column: usize,
-    },
+    /// Position in a file, as it was named; line and column count from 1, columns in characters.
+    File { path: String, line: usize, column: usize },
     /// Position in an option, as it was typed.
     Option(String),
 }
@@ -45,7 +39,7 @@ impl std::fmt::Display for Place {
 /// An error in a scene file or in the options that stand for one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// The scene file is missing or can't be read.
     #[error("{path}: can't read the scene file: {source}", path = path.display())]

@@ -44,7 +44,7 @@ pub enum Field {
 /// A cloud lacks what its field is made of.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// No property of that name.
     #[error("no scalar property `{name}` for field{hint}")]

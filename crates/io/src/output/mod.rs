@@ -27,7 +27,7 @@ use pellucid_core::image::{Image, LinearImage};
 /// Reason why a result could not be written or an image not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// Unknown extension: neither `.png` nor `.exr`.
     #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = .0.display())]

@@ -118,7 +118,7 @@ pub struct Generated {
 /// Reason why a built-in scene could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// No scene has this name.
     #[error("no built-in scene is called \"{name}\"{hint}; expected one of {known}")]

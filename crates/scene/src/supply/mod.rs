@@ -110,7 +110,7 @@ pub fn grown(radius: f32, factor: f32) -> f32 {
 
 /// Reason why points can't be taken.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Failure {
     /// The store failed.
     #[error("{0}")]

@@ -100,7 +100,7 @@ impl Problem {
 /// Reason why a file of cameras can't be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// The file can't be read.
     #[error("{path}: can't read the camera path: {source}", path = path.display())]

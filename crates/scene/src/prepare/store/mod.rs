@@ -40,7 +40,7 @@ const BYTES_OF_NEIGHBOR: u64 = 4;
 /// Reason why a store can't be prepared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "messages say what the fields are")]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// Files can't be read or written.
     #[error(transparent)]
