@@ -70,6 +70,12 @@ macro_rules! words_or_scalar {
             Scalar(String),
         }
 
+        impl Default for $Name {
+            fn default() -> Self {
+                Self::Auto
+            }
+        }
+
         impl $Name {
             /// The words; everything else is the name of a scalar.
             const WORDS: &'static [Word] =
@@ -110,12 +116,6 @@ words_or_scalar! {
         Uniform = "uniform",
         /// The field F of `field`.
         Field = "field",
-    }
-}
-
-impl Default for ColorBy {
-    fn default() -> Self {
-        Self::Auto
     }
 }
 
