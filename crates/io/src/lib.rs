@@ -62,39 +62,25 @@ pub enum Error {
     /// The file has no bytes at all.
     #[error("{}: empty file (0 bytes)", .0.display())]
     Empty(PathBuf),
-    /// Unknown format: neither the first bytes nor the extension belong to a known format.
+    /// Unknown format: neither the first bytes nor the extension belong to a known format. `start` has the first few
+    /// bytes of the file, as text.
     #[error("{}: unknown format; expected a point cloud (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as \
          in XYZ, CSV and TXT), Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF) or a picture (PNG, JPEG, TIFF); the file starts with {start:?}", path.display())]
-    UnknownFormat {
-        /// The file.
-        path: PathBuf,
-        /// First few bytes of the file, as text.
-        start: String,
-    },
+    UnknownFormat { path: PathBuf, start: String },
     /// A point cloud was given a place that only pictures have.
     #[error("{}: `photo` places a picture (PNG, JPEG, TIFF) in the world, but this is a point cloud; use `translate` and `scale`", .0.display())]
     NoPicture(PathBuf),
     /// The file is whole but no point is left to draw.
     #[error("{}: the cloud has no points{}", path.display(), non_finite_note(*.non_finite))]
     NoPoints { path: PathBuf, non_finite: usize },
-    /// The file ends before the data its header announces: it is truncated, or the header is wrong.
+    /// The file ends before the data its header announces: it is truncated, or the header is wrong. `what` has the
+    /// announced and the actual amount, in bytes or points.
     #[error("{}: truncated file or wrong header: {what}", path.display())]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// The announced and the actual amount, in bytes or points.
-        what: String,
-    },
-    /// A place in the file breaks the rules of its format.
+    Truncated { path: PathBuf, what: String },
+    /// A place in the file (a line, a byte, a point or a part) breaks the rules of its format; `cause` is the defect
+    /// there.
     #[error("{}: {place}: {cause}", path.display())]
-    Malformed {
-        /// The file.
-        path: PathBuf,
-        /// Line, byte, point or part of the file.
-        place: String,
-        /// The defect at this position.
-        cause: String,
-    },
+    Malformed { path: PathBuf, place: String, cause: String },
     /// The points lack a coordinate.
     #[error("{}: element `vertex` has no property `{missing}`, only {found}", path.display())]
     MissingProperty { path: PathBuf, missing: &'static str, found: String },

@@ -81,18 +81,9 @@ pub enum Error {
     /// A cloud lacks what its field is made of.
     #[error("{path}: {source}", path = path.display())]
     Field { path: PathBuf, source: field::Error },
-    /// A cloud lacks what its colors are to show.
+    /// A cloud lacks what its colors are to show. `there` names the existing properties, as a phrase.
     #[error("{path}: color_by = {by:?}, but the file has no {lacking}; {there}", path = path.display())]
-    Color {
-        /// The cloud.
-        path: PathBuf,
-        /// The coloring.
-        by: String,
-        /// The missing property.
-        lacking: String,
-        /// The existing properties, as a phrase.
-        there: String,
-    },
+    Color { path: PathBuf, by: String, lacking: String, there: String },
     /// No scalar has the name that a key gives.
     #[error("{path}: no scalar `{name}` for {key}{hint}", path = path.display())]
     NoScalar { path: PathBuf, name: String, key: &'static str, hint: String },

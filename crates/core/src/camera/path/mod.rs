@@ -105,18 +105,9 @@ pub enum Error {
     /// The file can't be read.
     #[error("{path}: can't read the camera path: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
-    /// The text is not valid, at this line and column.
+    /// The text is not valid, at this line and column, counted from 1; the column is 1 where only the line is known.
     #[error("{path}:{line}:{column}: {message}", path = path.display())]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1; 1 where only the line is known.
-        column: usize,
-        /// The defect at this position.
-        message: String,
-    },
+    Syntax { path: PathBuf, line: usize, column: usize, message: String },
     /// The file is readable, but its content is not a valid path.
     #[error("{path}: {problem}", path = path.display())]
     Content { path: PathBuf, problem: Problem },
