@@ -17,7 +17,7 @@ const PARTS: usize = 8;
 
 /// Calls `each` with the index of an element and the element, for all of them.
 pub fn for_each_mut<T: Send>(elements: &mut [T], each: impl Fn(usize, &mut T) + Sync) {
-    for_parts(elements, &|first, part: &mut [T]| {
+    for_parts(elements, 1, &|first, part: &mut [T]| {
         part.iter_mut().enumerate().for_each(|(i, element)| each(first + i, element));
     });
 }
@@ -27,6 +27,15 @@ pub fn map<T: Zeroable + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> 
     // All threads touch the memory first, since the kernel clears every page then.
     let mut values = zeroed_vec(count);
     for_each_mut(&mut values, |i, value| *value = of(i));
+    values
+}
+
+/// Returns runs of so many elements, one behind the other. `write` is given the number of a run and its elements, zeros.
+pub fn runs<T: Zeroable + Send>(count: usize, run: usize, write: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
+    let (mut values, run) = (zeroed_vec(count * run), run.max(1));
+    for_parts(&mut values, run, &|first, part: &mut [T]| {
+        part.chunks_mut(run).enumerate().for_each(|(i, elements)| write(first / run + i, elements));
+    });
     values
 }
 
@@ -62,9 +71,9 @@ pub fn try_map_each<S: Sync, T: Send, E: Send>(
     gather(elements.len(), result).into_iter().flatten().collect()
 }
 
-/// Calls `each` with the index of a part's first element and the part, for all parts.
-fn for_parts<T: Send>(elements: &mut [T], each: &(dyn Fn(usize, &mut [T]) + Sync)) {
-    let length = elements.len().div_ceil(PARTS * rayon::current_num_threads()).max(1);
+/// Calls `each` with the index of a part's first element and the part, for all parts, which cut no run.
+fn for_parts<T: Send>(elements: &mut [T], run: usize, each: &(dyn Fn(usize, &mut [T]) + Sync)) {
+    let length = elements.len().div_ceil(PARTS * rayon::current_num_threads()).max(1).next_multiple_of(run);
     let parts = Mutex::new(elements.chunks_mut(length).enumerate());
     on_all_threads(&|| {
         loop {
@@ -94,6 +103,14 @@ mod tests {
             let elements: Vec<u32> = (0..count as u32).rev().collect();
             assert_eq!(map_each(&elements, |x| x + 1), elements.iter().map(|x| x + 1).collect::<Vec<_>>());
             assert_eq!(try_map_each(&elements, |x| Ok::<_, ()>(*x)), Ok(elements));
+        }
+    }
+
+    #[test]
+    fn runs_are_whole() {
+        for (count, run) in [(0, 3), (5, 0), (1, 7), (1001, 3)] {
+            let written = runs(count, run, |i, elements| elements.fill(i));
+            assert_eq!(written, (0..count * run).map(|at| at / run).collect::<Vec<_>>());
         }
     }
 

@@ -5,17 +5,16 @@ pub mod packed;
 mod sample;
 
 use std::collections::HashMap;
-use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::{NoUninit, Pod, bytes_of};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::Bounds;
-use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
+use crate::cloud::gaussians::{Gaussians, MAX_DEGREE, coefficients};
 use crate::cloud::sampling::{Sampling, mix};
 use crate::parallel;
 pub use packed::Unreadable;
@@ -299,8 +298,8 @@ impl Points {
             }
             found
         };
-        let starts = range.clone().into_par_iter().step_by(IDS_AT_ONCE);
-        starts.flat_map_iter(|start| part(start..range.end.min(start + IDS_AT_ONCE))).collect()
+        let part = |i: usize| part(range.start + i * IDS_AT_ONCE..range.end.min(range.start + (i + 1) * IDS_AT_ONCE));
+        parallel::gather(range.len().div_ceil(IDS_AT_ONCE), part).concat()
     }
 
     /// Ids of a part of a list with Gaussians. `first`: the first point in the place where the part begins.
@@ -436,22 +435,21 @@ impl Points {
 
     /// Gaussians of parts, some of which may have none.
     fn gathered_gaussians(parts: &[Arc<Self>], picked: &[[u32; 2]], degree: u32) -> Gaussians {
-        let mut all = Gaussians::none(picked.len()).with_degree(degree);
-        let of = |[part, at]: [u32; 2]| Some((parts[part as usize].gaussians.as_ref()?, at as usize));
-        parallel::for_each_mut(&mut all.extents, |i, to| *to = of(picked[i]).map_or(*to, |(own, at)| own.extents[at]));
-        parallel::for_each_mut(&mut all.rotations, |i, to| {
-            *to = of(picked[i]).map_or(*to, |(own, at)| own.rotations[at]);
-        });
-        parallel::for_each_mut(&mut all.bases, |i, to| *to = of(picked[i]).map_or(*to, |(own, at)| own.bases[at]));
-        if let Some(count) = NonZeroUsize::new(all.coefficients()) {
-            let each = all.harmonics.par_chunks_mut(count.get()).zip(picked).with_min_len(1 << 12);
-            each.for_each(|(harmonics, from)| {
-                if let Some((own, at)) = of(*from) {
-                    harmonics.iter_mut().zip(own.harmonics_of(at)).for_each(|(to, from)| *to = *from);
-                }
-            });
+        let of = |i: usize| {
+            let [part, at] = picked[i];
+            Some((parts[part as usize].gaussians.as_ref()?, at as usize))
+        };
+        let copy = |i: usize, to: &mut [Vec3]| {
+            let own = of(i).map_or(&[][..], |(own, at)| own.harmonics_of(at));
+            to.iter_mut().zip(own).for_each(|(to, from)| *to = *from);
+        };
+        Gaussians {
+            extents: parallel::map(picked.len(), |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.extents[at])),
+            rotations: parallel::map(picked.len(), |i| of(i).map_or(Quat::IDENTITY, |(own, at)| own.rotations[at])),
+            bases: parallel::map(picked.len(), |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.bases[at])),
+            degree,
+            harmonics: parallel::runs(picked.len(), coefficients(degree), copy),
         }
-        all
     }
 
     /// Normals of parts of which some have none, which are zeros.
@@ -539,7 +537,7 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cloud::gaussians::{coefficients, reach};
+    use crate::cloud::gaussians::reach;
 
     #[test]
     fn parts_without_normals_get_none() {

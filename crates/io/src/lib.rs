@@ -48,6 +48,7 @@ const START: u64 = 512;
 /// Reason why a file could not be read or written. Every message starts with the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// The file doesn't exist.
     #[error("{}: no such file", .0.display())]
@@ -57,126 +58,61 @@ pub enum Error {
     Folder(PathBuf),
     /// The system refused to open or read the file.
     #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// The file has no bytes at all.
     #[error("{}: empty file (0 bytes)", .0.display())]
     Empty(PathBuf),
-    /// Unknown format: neither the first bytes nor the extension belong to a known format.
+    /// Unknown format: neither the first bytes nor the extension belong to a known format. `start` has the first few
+    /// bytes of the file, as text.
     #[error("{}: unknown format; expected a point cloud (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as \
          in XYZ, CSV and TXT), Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF) or a picture (PNG, JPEG, TIFF); the file starts with {start:?}", path.display())]
-    UnknownFormat {
-        /// The file.
-        path: PathBuf,
-        /// First few bytes of the file, as text.
-        start: String,
-    },
+    UnknownFormat { path: PathBuf, start: String },
     /// A point cloud was given a place that only pictures have.
     #[error("{}: `photo` places a picture (PNG, JPEG, TIFF) in the world, but this is a point cloud; use `translate` and `scale`", .0.display())]
     NoPicture(PathBuf),
     /// The file is whole but no point is left to draw.
     #[error("{}: the cloud has no points{}", path.display(), non_finite_note(*.non_finite))]
-    NoPoints {
-        /// The file.
-        path: PathBuf,
-        /// Points dropped for a coordinate that is not finite.
-        non_finite: usize,
-    },
-    /// The file ends before the data its header announces: it is truncated, or the header is wrong.
+    NoPoints { path: PathBuf, non_finite: usize },
+    /// The file ends before the data its header announces: it is truncated, or the header is wrong. `what` has the
+    /// announced and the actual amount, in bytes or points.
     #[error("{}: truncated file or wrong header: {what}", path.display())]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// The announced and the actual amount, in bytes or points.
-        what: String,
-    },
-    /// A place in the file breaks the rules of its format.
+    Truncated { path: PathBuf, what: String },
+    /// A place in the file (a line, a byte, a point or a part) breaks the rules of its format; `cause` is the defect
+    /// there.
     #[error("{}: {place}: {cause}", path.display())]
-    Malformed {
-        /// The file.
-        path: PathBuf,
-        /// Line, byte, point or part of the file.
-        place: String,
-        /// The defect at this position.
-        cause: String,
-    },
+    Malformed { path: PathBuf, place: String, cause: String },
     /// The points lack a coordinate.
     #[error("{}: element `vertex` has no property `{missing}`, only {found}", path.display())]
-    MissingProperty {
-        /// The file.
-        path: PathBuf,
-        /// The coordinate.
-        missing: &'static str,
-        /// The existing properties.
-        found: String,
-    },
+    MissingProperty { path: PathBuf, missing: &'static str, found: String },
     /// The points that the header announces, and that the file may well have, are more than memory can hold.
     #[error(
         "{}: {points} points take at least {} of memory, but only {} are free; `pellucid prepare {} -o DIR` converts them \
          to a store within --host-memory",
         path.display(), ByteSize(*needed), ByteSize(*free), path.display()
     )]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Number of points in the file.
-        points: u64,
-        /// The bytes of their columns.
-        needed: u64,
-        /// Bytes that the system can give.
-        free: u64,
-    },
+    TooLarge { path: PathBuf, points: u64, needed: u64, free: u64 },
     /// Somebody who watches wanted the work to end.
     #[error("{}: interrupted; run the same command to continue", path.display())]
-    Cancelled {
-        /// Path of the file that was to be written.
-        path: PathBuf,
-    },
+    Cancelled { path: PathBuf },
     /// A folder holds something else than what is to be written.
     #[error("{}: the folder has other files; name a new or empty folder, or one with an octree to replace", .0.display())]
     Occupied(PathBuf),
     /// The file could not be written; an earlier file of this name is unchanged.
     #[error("{}: not written: {source}{}", path.display(), pellucid_core::atomic::remedy(source))]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
     /// Gaussian splats and other points were to become one store.
     #[error(
         "{} has Gaussian splats, {} has points: a store can't mix them; write one store for each and use both in a scene",
         splats.display(), points.display()
     )]
-    Mixed {
-        /// A file of splats.
-        splats: PathBuf,
-        /// A file of other points.
-        points: PathBuf,
-    },
+    Mixed { splats: PathBuf, points: PathBuf },
     /// Points could not be put into a temporary file.
     #[error("{}: no space for the points of the ensembles: {source}; set TMPDIR to another folder", folder.display())]
-    Temporary {
-        /// The folder of the file.
-        folder: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Temporary { folder: PathBuf, source: std::io::Error },
     /// Points that have to be put into order together take more memory than is allowed.
     #[error("{}: {points} points lie in one place and must be sorted together, which takes {} of memory; use --host-memory \
          {}", path.display(), ByteSize(*.needed), ByteSize(needed.next_multiple_of(1 << 20)))]
-    Crowded {
-        /// Path of the file.
-        path: PathBuf,
-        /// Number of points.
-        points: u64,
-        /// Bytes that they take.
-        needed: u64,
-    },
+    Crowded { path: PathBuf, points: u64, needed: u64 },
 }
 
 impl Error {

@@ -90,9 +90,8 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
     }
     let lists = lists(camera, size, points, discs);
     let stop = gaussians::stop(points, &discs.gaussians);
-    let pixel = |list: &Vec<Fragment>| {
+    let pixel = |list: &[Fragment]| {
         composite(before_end(&gaussians::with_depths(camera, points, &discs.gaussians, list), stop), colors)
     };
-    let pixels: Vec<Composite> = lists.iter().map(pixel).collect();
-    ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of_lists(size, &lists, pixel)
 }

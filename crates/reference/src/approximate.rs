@@ -104,7 +104,7 @@ pub fn render(
         _ => None,
     };
     let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &discs.gaussians, list, key);
-    let mut pixels = lists.iter().map(pixel).collect::<Option<Vec<Composite>>>()?;
-    pixels.iter_mut().zip(&lists).for_each(|(pixel, list)| pixel.depth = shown(list, pixel.depth));
-    Some(ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect()))
+    let finished =
+        |list| pixel(list).map(|found| (Composite { depth: shown(list, found.depth), ..found }, list.len() as u32));
+    Some(ReferencePicture::of(size, lists.iter().map(finished).collect::<Option<Vec<_>>>()?))
 }

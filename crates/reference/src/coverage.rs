@@ -41,6 +41,13 @@ pub struct Splat {
     pub max_pixel_radius: f64,
 }
 
+impl Splat {
+    /// A splat that faces the viewer, of any size.
+    pub(crate) fn facing(position: DVec3, radius: f64, shape: Shape) -> Self {
+        Self { position, radius, normal: None, shape, max_pixel_radius: f64::INFINITY }
+    }
+}
+
 /// A single pixel of a footprint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coverage {
@@ -53,6 +60,13 @@ pub struct Coverage {
     /// Distance from the splat's center over its radius: on screen for flat shapes, in the tangent plane for oriented
     /// ones. At most 1, save in a square's corners.
     pub rho: f64,
+}
+
+impl Coverage {
+    /// Returns the pixel's place in an image: row · width + column.
+    pub(crate) fn index(&self, size: [u32; 2]) -> usize {
+        self.y as usize * size[0] as usize + self.x as usize
+    }
 }
 
 /// Returns the pixels that a splat covers, row by row; empty if it is not drawn.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::ReferencePicture;
 use super::coverage::{Coverage, Shape, Splat, footprint};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
@@ -27,6 +28,17 @@ pub struct Composite {
     pub alpha: f64,
     /// z of the first fragment with α > 0, +inf if none has.
     pub depth: f64,
+}
+
+impl Composite {
+    /// A pixel without anything.
+    pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
+
+    /// Returns a pixel of a picture.
+    pub fn from_picture(picture: &ReferencePicture, pixel: usize) -> Self {
+        let [r, g, b, alpha] = picture.rgba[pixel];
+        Self { color: DVec3::new(r, g, b), alpha, depth: picture.depth[pixel] }
+    }
 }
 
 /// Returns the splat that the disc family draws for a point.
@@ -58,8 +70,7 @@ pub(super) fn of_disc(
             Falloff::Flat => opacity,
             Falloff::Gaussian => opacity * (-2.0 * pixel.rho * pixel.rho).exp(),
         };
-        let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
-        (at, Fragment { z: pixel.z, index: index as u32, alpha })
+        (pixel.index(size), Fragment { z: pixel.z, index: index as u32, alpha })
     };
     covered.iter().map(fragment).collect()
 }

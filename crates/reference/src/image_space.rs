@@ -186,13 +186,7 @@ pub fn layer_distance(set: Option<f32>, points: &Points) -> f64 {
 
 /// Returns the footprint of a point: its pixel.
 pub fn splat(points: &Points, index: usize) -> Splat {
-    Splat {
-        position: points.positions[index],
-        radius: 0.0,
-        normal: None,
-        shape: Shape::Point,
-        max_pixel_radius: f64::INFINITY,
-    }
+    Splat::facing(points.positions[index], 0.0, Shape::Point)
 }
 
 /// Returns the nearest point of each pixel with a depth of at least `from[pixel]`, with that depth; the smaller index
@@ -211,7 +205,7 @@ pub fn nearest(
             continue;
         }
         for pixel in footprint(camera, size, &splat(points, index)) {
-            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
+            let at = pixel.index(size);
             if pixel.z >= from[at] && found[at].is_none_or(|(z, _)| pixel.z < z) {
                 found[at] = Some((pixel.z, index));
             }

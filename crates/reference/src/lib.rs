@@ -49,10 +49,21 @@ pub struct ReferencePicture {
 }
 
 impl ReferencePicture {
-    /// Makes a picture of pixels, row by row from the top.
-    fn of(size: [u32; 2], pixels: &[Composite], counts: Vec<u32>) -> Self {
-        let rgba = pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect();
-        Self { width: size[0], height: size[1], rgba, depth: pixels.iter().map(|p| p.depth).collect(), counts }
+    /// Makes a picture of pixels, row by row from the top, each with its count.
+    fn of(size: [u32; 2], pixels: impl IntoIterator<Item = (Composite, u32)>) -> Self {
+        let [width, height] = size;
+        let mut picture = Self { width, height, rgba: Vec::new(), depth: Vec::new(), counts: Vec::new() };
+        for (pixel, count) in pixels {
+            picture.rgba.push(pixel.color.extend(pixel.alpha).to_array());
+            picture.depth.push(pixel.depth);
+            picture.counts.push(count);
+        }
+        picture
+    }
+
+    /// Makes a picture of a list for each pixel.
+    fn of_lists<T>(size: [u32; 2], lists: &[Vec<T>], pixel: impl Fn(&[T]) -> Composite) -> Self {
+        Self::of(size, lists.iter().map(|list| (pixel(list), list.len() as u32)))
     }
 
     /// Returns the image over a background: C + (1 − A)·background.

@@ -162,7 +162,7 @@ pub fn weighed(list: &[Fragment], colors: &[DVec3], exponents: &[f64]) -> DVec3 
 pub fn moments(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2], settings: &Moments) -> Composite {
     let seen: Vec<Fragment> = list.iter().filter(|f| f.alpha > 0.0).copied().collect();
     if seen.is_empty() {
-        return Composite { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
+        return Composite::NOTHING;
     }
     let pairs: Vec<_> = seen.iter().map(|f| (place_of(f.z, depth_range), optical_depth(f.alpha))).collect();
     let absorption = Absorption::new(&power_moments(&pairs, settings.moments.get()), settings.bias().into());

@@ -79,10 +79,7 @@ pub fn render(
 ) -> ReferencePicture {
     let lists = lists(camera, size, points, settings.threshold);
     let (softness, blend_depth) = (f64::from(settings.softness), f64::from(BlendedSplats::default().blend_depth));
-    let pixels: Vec<Composite> = lists.iter().map(|parts| parts.blend(colors, softness, blend_depth)).collect();
-    ReferencePicture::of(
-        size,
-        &pixels,
-        lists.iter().map(|parts| (parts.soft.len() + parts.solid.len()) as u32).collect(),
-    )
+    let count = |parts: &Parts| (parts.soft.len() + parts.solid.len()) as u32;
+    let pixel = |parts: &Parts| (parts.blend(colors, softness, blend_depth), count(parts));
+    ReferencePicture::of(size, lists.iter().map(pixel))
 }

@@ -51,7 +51,7 @@ pub fn render(
         let radius = splat.radius.min(splat.max_pixel_radius / at_center);
         for pixel in footprint(camera, size, &splat) {
             let z = pixel.z - moved(relief, pixel.rho) * radius;
-            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
+            let at = pixel.index(size);
             counts[at] += 1;
             // Points come in the order of their index, so an equal depth leaves the smaller one in place.
             if z < depth[at] {

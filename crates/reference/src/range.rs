@@ -115,7 +115,7 @@ pub fn hull(a: ColorRange, b: ColorRange) -> ColorRange {
 }
 
 /// An image whose decisions roundings make: the counterpart of [`super::ReferencePicture`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct PictureRange {
     /// Width in pixels.
     pub width: u32,

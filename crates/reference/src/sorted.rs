@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::fragments::{Composite, Fragment, before_end, composite, of_disc};
+use super::fragments::{Fragment, before_end, composite, of_disc};
 use super::{ReferencePicture, gaussians};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
@@ -57,6 +57,5 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) ->
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
     let lists = lists(camera, size, points, discs);
     let stop = gaussians::stop(points, &discs.gaussians);
-    let pixels: Vec<Composite> = lists.iter().map(|list| composite(before_end(list, stop), colors)).collect();
-    ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of_lists(size, &lists, |list| composite(before_end(list, stop), colors))
 }

@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 pub use ranges::{Ranges, ranges};
 
-use super::fragments::{Composite, Fragment, composite};
+use super::fragments::{Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
 use super::shading::to_viewer;
 use super::{ReferencePicture, dealing};
@@ -313,11 +313,7 @@ pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], r
             pixels(&point, size).for_each(|p| lists[p].push(Fragment { z: point.z, index: index as u32, alpha }));
         }
     }
-    let composites = lists.iter_mut().map(|list| {
-        // Stable: of equal depths in the order of the list.
-        list.sort_by(|a, b| a.z.total_cmp(&b.z));
-        composite(list, colors)
-    });
-    let composites: Vec<Composite> = composites.collect();
-    ReferencePicture::of(size, &composites, lists.iter().map(|list| list.len() as u32).collect())
+    // Stable: of equal depths in the order of the list.
+    lists.iter_mut().for_each(|list| list.sort_by(|a, b| a.z.total_cmp(&b.z)));
+    ReferencePicture::of_lists(size, &lists, |list| composite(list, colors))
 }

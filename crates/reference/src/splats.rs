@@ -62,8 +62,7 @@ pub fn lists(
     for index in (0..points.len()).filter(|index| wanted(*index)) {
         let splat = splat(camera, size, points, index, shape, settings);
         for pixel in footprint(camera, size, &splat) {
-            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
-            pixels[at].push(Fragment { z: pixel.z, rho: pixel.rho, radius: splat.radius, index });
+            pixels[pixel.index(size)].push(Fragment { z: pixel.z, rho: pixel.rho, radius: splat.radius, index });
         }
     }
     pixels
@@ -86,7 +85,7 @@ pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite
     if total > 0.0 {
         Composite { color: sum / total, alpha: 1.0, depth }
     } else {
-        Composite { color: DVec3::ZERO, alpha: 0.0, depth }
+        Composite { depth, ..Composite::NOTHING }
     }
 }
 
@@ -103,6 +102,5 @@ pub fn render(
 ) -> ReferencePicture {
     let lists = lists(camera, size, points, shape, &settings.splats, |_| true);
     let blend_depth = f64::from(settings.blend_depth);
-    let pixels: Vec<Composite> = lists.iter().map(|list| blend(list, colors, blend_depth)).collect();
-    ReferencePicture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+    ReferencePicture::of_lists(size, &lists, |list| blend(list, colors, blend_depth))
 }

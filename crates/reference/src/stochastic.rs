@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::abuffer::lists;
-use super::fragments::{Fragment, composite};
+use super::fragments::{Composite, Fragment, composite};
 use super::{ReferencePicture, gaussians};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
@@ -135,12 +135,8 @@ pub fn render_with(
         })
         .collect();
     let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &settings.discs.gaussians, list, key);
-    let picture = ReferencePicture {
-        width: size[0],
-        height: size[1],
-        rgba: estimates.iter().map(|e| e.color.extend(e.alpha).to_array()).collect(),
-        depth: estimates.iter().zip(&lists).map(|(e, list)| shown(list, e.depth)).collect(),
-        counts: lists.iter().map(|list| list.len() as u32).collect(),
-    };
-    (picture, estimates.iter().map(|e| e.stderr).collect())
+    let pixels = estimates.iter().zip(&lists).map(|(e, list)| {
+        (Composite { color: e.color, alpha: e.alpha, depth: shown(list, e.depth) }, list.len() as u32)
+    });
+    (ReferencePicture::of(size, pixels), estimates.iter().map(|e| e.stderr).collect())
 }

@@ -88,7 +88,7 @@ pub fn places(depths: &[f64], depth_range: [f64; 2]) -> Vec<f64> {
 pub fn wavelet(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2], rank: u32) -> Composite {
     let seen: Vec<Fragment> = list.iter().filter(|f| f.alpha > 0.0).copied().collect();
     if seen.is_empty() {
-        return Composite { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
+        return Composite::NOTHING;
     }
     let places = places(&seen.iter().map(|f| f.z).collect::<Vec<_>>(), depth_range);
     let pairs: Vec<_> = places.iter().zip(&seen).map(|(place, f)| (*place, optical_depth(f.alpha))).collect();

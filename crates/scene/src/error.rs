@@ -19,16 +19,10 @@ pub enum OpenError {
 
 /// The position of a key or value.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Place {
-    /// Position in a file; line and column count from 1, columns in characters.
-    File {
-        /// The file as it was named.
-        path: String,
-        /// Line.
-        line: usize,
-        /// Column.
-        column: usize,
-    },
+    /// Position in a file, as it was named; line and column count from 1, columns in characters.
+    File { path: String, line: usize, column: usize },
     /// Position in an option, as it was typed.
     Option(String),
 }
@@ -45,79 +39,36 @@ impl std::fmt::Display for Place {
 /// An error in a scene file or in the options that stand for one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// The scene file is missing or can't be read.
     #[error("{path}: can't read the scene file: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// A cloud that is read node by node lacks what follows from neighbors.
     #[error(
         "{path}: {what} must be found from the neighbors of all points, but these are not in memory at once; store them \
          with `pellucid prepare {path} -o FOLDER`, load all points with more --host-memory, or choose a method or setting that does not need them",
         path = path.display()
     )]
-    Unprepared {
-        /// The file or folder.
-        path: PathBuf,
-        /// Name of what it lacks.
-        what: &'static str,
-    },
+    Unprepared { path: PathBuf, what: &'static str },
     /// The scene file has no bytes.
     #[error("{path}: the scene file is empty; it needs at least one [[cloud]] with a path", path = path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
+    Empty { path: PathBuf },
     /// The text is not TOML.
     #[error("{place}: {message}")]
-    Syntax {
-        /// Position of the fault.
-        place: Place,
-        /// The parser's reason.
-        message: String,
-    },
+    Syntax { place: Place, message: String },
     /// No table or method has this key.
     #[error("{place}: unknown key `{key}`{hint}")]
-    UnknownKey {
-        /// Position of the fault.
-        place: Place,
-        /// The dotted key.
-        key: String,
-        /// The nearest known key or the list of them, as a phrase that follows the key.
-        hint: String,
-    },
+    UnknownKey { place: Place, key: String, hint: String },
     /// A value has the wrong type or is out of range.
     #[error("{place}: `{key}` {problem}")]
-    Value {
-        /// Position of the fault.
-        place: Place,
-        /// The dotted key.
-        key: String,
-        /// The expectation and the actual value.
-        problem: String,
-    },
+    Value { place: Place, key: String, problem: String },
     /// Two keys contradict each other, or one that is needed is missing.
     #[error("{place}: {problem}")]
-    Conflict {
-        /// Position of the fault.
-        place: Place,
-        /// Keys with the problem, and what would help.
-        problem: String,
-    },
+    Conflict { place: Place, problem: String },
     /// No method of that name.
     #[error("{place}: unknown method {name:?}{hint}")]
-    UnknownMethod {
-        /// Position of the fault.
-        place: Place,
-        /// The name.
-        name: String,
-        /// The nearest known name or the list of them, as a phrase that follows the name.
-        hint: String,
-    },
+    UnknownMethod { place: Place, name: String, hint: String },
     /// The options contradict each other.
     #[error("{0}")]
     Usage(String),
@@ -126,44 +77,16 @@ pub enum Error {
     Procedural(#[from] procedural::Error),
     /// No finite point is left after `translate` and `scale`, or none that may be seen.
     #[error("{clouds}: {}", no_points(*.hidden))]
-    NoPoints {
-        /// The clouds' paths.
-        clouds: String,
-        /// Points that are hidden or cut off.
-        hidden: usize,
-    },
+    NoPoints { clouds: String, hidden: usize },
     /// A cloud lacks what its field is made of.
     #[error("{path}: {source}", path = path.display())]
-    Field {
-        /// The cloud.
-        path: PathBuf,
-        /// The missing property.
-        source: field::Error,
-    },
-    /// A cloud lacks what its colors are to show.
+    Field { path: PathBuf, source: field::Error },
+    /// A cloud lacks what its colors are to show. `there` names the existing properties, as a phrase.
     #[error("{path}: color_by = {by:?}, but the file has no {lacking}; {there}", path = path.display())]
-    Color {
-        /// The cloud.
-        path: PathBuf,
-        /// The coloring.
-        by: String,
-        /// The missing property.
-        lacking: String,
-        /// The existing properties, as a phrase.
-        there: String,
-    },
+    Color { path: PathBuf, by: String, lacking: String, there: String },
     /// No scalar has the name that a key gives.
     #[error("{path}: no scalar `{name}` for {key}{hint}", path = path.display())]
-    NoScalar {
-        /// The cloud.
-        path: PathBuf,
-        /// The name.
-        name: String,
-        /// The key.
-        key: &'static str,
-        /// The nearest name or the list of them, as a phrase that follows.
-        hint: String,
-    },
+    NoScalar { path: PathBuf, name: String, key: &'static str, hint: String },
     /// The polygons of a clip can't be read.
     #[error(transparent)]
     Polygon(#[from] io::Error),
@@ -172,12 +95,7 @@ pub enum Error {
         "the scene extends from {min} to {max}, too large or too far from the origin for a camera in float64; use \
          `scale`"
     )]
-    Extent {
-        /// Smallest corner.
-        min: glam::DVec3,
-        /// Largest corner.
-        max: glam::DVec3,
-    },
+    Extent { min: glam::DVec3, max: glam::DVec3 },
 }
 
 fn no_points(hidden: usize) -> String {

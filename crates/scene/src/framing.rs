@@ -317,13 +317,14 @@ impl Spheres<'_> {
         let (groups, rounding) = (whole.spheres.groups(), 1e-12 * whole.bounds.diagonal());
         let mut left: Vec<usize> = (0..groups.len()).collect();
         loop {
-            let gain_of = |group: &usize| {
-                let (Bounds { min, max }, radius) = groups[*group];
+            let gain_of = |group: usize| {
+                let (Bounds { min, max }, radius) = groups[group];
                 let around = Bounds { min: min - rounding, max: max + rounding };
                 let corners = around.corners().into_iter().map(|corner| self.relative(corner, radius));
-                (gain(state, corners.fold(state, &with)), *group)
+                (gain(state, corners.fold(state, &with)), group)
             };
-            let mut gains: Vec<(f64, usize)> = left.par_iter().map(gain_of).filter(|(gain, _)| *gain > 0.0).collect();
+            let mut gains: Vec<(f64, usize)> = parallel::gather(left.len(), |i| gain_of(left[i]));
+            gains.retain(|(gain, _)| *gain > 0.0);
             gains.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
             gains.truncate(GROUPS);
             if gains.is_empty() {

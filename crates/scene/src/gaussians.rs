@@ -1,7 +1,6 @@
 //! Gaussians of a cloud's file as the scene draws them.
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::scene::Scene;
 use super::settings::CloudSettings;
@@ -46,8 +45,11 @@ pub(super) fn placed(
         }
     });
     let count = placed.coefficients().max(1);
-    let plain = placed.harmonics.par_chunks_mut(count).enumerate().filter(|(i, _)| !own(*i));
-    plain.for_each(|(_, harmonics)| harmonics.fill(Vec3::ZERO));
+    parallel::for_each_mut(&mut placed.harmonics, |i, harmonic| {
+        if !own(i / count) {
+            *harmonic = Vec3::ZERO;
+        }
+    });
     placed
 }
 

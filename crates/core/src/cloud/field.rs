@@ -44,27 +44,17 @@ pub enum Field {
 /// A cloud lacks what its field is made of.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// No property of that name.
     #[error("no scalar property `{name}` for field{hint}")]
-    NoProperty {
-        /// The name.
-        name: String,
-        /// The nearest name or the list of them, as a phrase that follows.
-        hint: String,
-    },
+    NoProperty { name: String, hint: String },
     /// No classes.
     #[error("field = \"classification\" needs classes, but the file has none; {there}")]
-    NoClasses {
-        /// The existing properties, as a phrase.
-        there: String,
-    },
+    NoClasses { there: String },
     /// No intensity.
     #[error("field = \"intensity\", but the file has none; {there}")]
-    NoIntensity {
-        /// The existing properties, as a phrase.
-        there: String,
-    },
+    NoIntensity { there: String },
 }
 
 impl Field {

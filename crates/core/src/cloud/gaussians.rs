@@ -104,32 +104,22 @@ impl Gaussians {
         if degree == self.degree {
             return self;
         }
-        let (old, new) = (self.coefficients(), coefficients(degree));
-        let kept = old.min(new);
-        let mut harmonics = vec![Vec3::ZERO; self.len() * new];
-        if kept > 0 {
-            let pairs = harmonics.par_chunks_mut(new).zip(self.harmonics.par_chunks(old));
-            pairs.for_each(|(to, from)| to[..kept].copy_from_slice(&from[..kept]));
-        }
-        Self { degree, harmonics, ..self }
+        let new = coefficients(degree);
+        let copy =
+            |i: usize, to: &mut [Vec3]| to.iter_mut().zip(self.harmonics_of(i)).for_each(|(to, from)| *to = *from);
+        Self { degree, harmonics: parallel::runs(self.len(), new, copy), ..self }
     }
 
     /// Returns some of them, in another order: place i gets splat `from(i)` of `count` places.
     #[must_use]
     pub fn picked(&self, count: usize, from: impl Fn(usize) -> usize + Sync) -> Self {
-        let stride = self.coefficients();
-        let harmonics = if stride == 0 {
-            Vec::new()
-        } else {
-            let each = (0..count).into_par_iter().with_min_len(1 << 12);
-            each.flat_map_iter(|i| self.harmonics_of(from(i)).iter().copied()).collect()
-        };
+        let copy = |i: usize, to: &mut [Vec3]| to.copy_from_slice(self.harmonics_of(from(i)));
         Self {
             extents: parallel::map(count, |i| self.extents[from(i)]),
             rotations: parallel::map(count, |i| self.rotations[from(i)]),
             bases: parallel::map(count, |i| self.bases[from(i)]),
             degree: self.degree,
-            harmonics,
+            harmonics: parallel::runs(count, self.coefficients(), copy),
         }
     }
 

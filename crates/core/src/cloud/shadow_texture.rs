@@ -1,5 +1,6 @@
 //! The settings a shadow texture belongs to: one share of light for each point (Dobrev et al. 2010, Section 6).
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::light::Light;
@@ -7,9 +8,9 @@ use crate::light::Light;
 /// Everything that decides which lights reach which of the points: the same casting of the same points is the same
 /// texture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(from = "CastingRecord", into = "CastingRecord")]
 pub struct Casting {
     /// The light, its direction of length 1; not a headlight.
+    #[serde(flatten, with = "LightRecord")]
     pub light: Light,
     /// M: the number of lights that stand for an area light; 1 without an area.
     pub samples: u32,
@@ -49,45 +50,13 @@ pub struct ShadowTexture {
     pub lit: Vec<f32>,
 }
 
-/// A [`Casting`] in the form of a prepared file.
+/// A light in the form of a prepared file.
 #[derive(Serialize, Deserialize)]
-struct CastingRecord {
-    #[serde(flatten)]
-    light: LightRecord,
-    samples: u32,
-    light_radius: f32,
-    resolution: u32,
-    min_layer_distance: f32,
-    seed: u64,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(remote = "Light", rename = "LightRecord", rename_all = "lowercase")]
 enum LightRecord {
-    Direction([f64; 3]),
-    Position([f64; 3]),
-}
-
-impl From<Casting> for CastingRecord {
-    fn from(casting: Casting) -> Self {
-        let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = casting;
-        let light = match light {
-            Light::Position(position) => LightRecord::Position(position.to_array()),
-            Light::Direction(direction) => LightRecord::Direction(direction.to_array()),
-            // Unreachable: no casting has one.
-            Light::Headlight => LightRecord::Direction([0.0; 3]),
-        };
-        Self { light, samples, light_radius, resolution, min_layer_distance, seed }
-    }
-}
-
-impl From<CastingRecord> for Casting {
-    fn from(record: CastingRecord) -> Self {
-        let CastingRecord { light, samples, light_radius, resolution, min_layer_distance, seed } = record;
-        let light = match light {
-            LightRecord::Direction(direction) => Light::Direction(direction.into()),
-            LightRecord::Position(position) => Light::Position(position.into()),
-        };
-        Self { light, samples, light_radius, resolution, min_layer_distance, seed }
-    }
+    // No casting has one.
+    #[serde(skip)]
+    Headlight,
+    Direction(DVec3),
+    Position(DVec3),
 }

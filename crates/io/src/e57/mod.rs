@@ -132,28 +132,22 @@ fn check_claim(numbers: &[usize], clouds: &[PointCloud], len: u64) -> Result<(),
         let bits: Vec<u64> = cloud.prototype.iter().map(|record| scan::bits(&record.data_type)).collect();
         let sum: u64 = bits.iter().sum();
         let records = cloud.records;
-        let place = || format!("scan {number}");
+        let wrong = |cause: String| Err(Problem::new(format!("scan {number}"), cause));
         let Some(least) = bits.iter().copied().filter(|&bits| bits > 0).min() else {
-            let cause = format!(
+            return wrong(format!(
                 "every field of its {records} points is a constant, so the file could announce any number of points"
-            );
-            return Err(Problem::new(place(), cause));
+            ));
         };
         let constants = bits.iter().filter(|&&bits| bits == 0).count() as u64;
         if cloud.prototype.len() > MAX_FIELDS {
-            let cause = format!("a point has {} fields (at most {MAX_FIELDS})", cloud.prototype.len());
-            return Err(Problem::new(place(), cause));
+            return wrong(format!("a point has {} fields (at most {MAX_FIELDS})", cloud.prototype.len()));
         }
         if constants * (len.min(MAX_PACKET) * 8 / least) > MAX_CONSTANTS {
-            return Err(Problem::new(
-                place(),
-                format!("{constants} of its fields are constants, so this is not a scan"),
-            ));
+            return wrong(format!("{constants} of its fields are constants, so this is not a scan"));
         }
         needed += u128::from(sum) * u128::from(records);
         if needed > u128::from(len) * 8 {
-            let cause = format!("{records} points of {sum} bits each announced, but the file has only {len} bytes");
-            return Err(Problem::new(place(), cause));
+            return wrong(format!("{records} points of {sum} bits each announced, but the file has only {len} bytes"));
         }
     }
     Ok(())

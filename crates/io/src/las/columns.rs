@@ -2,7 +2,6 @@
 
 use glam::{DVec3, Vec3};
 use las::PointDataBuilder;
-use rayon::prelude::*;
 
 use super::header::LasHeader;
 use super::traits::Traits;
@@ -111,11 +110,11 @@ impl Columns {
 
     /// Returns what these points tell of the whole file.
     pub fn traits(&self) -> Traits {
-        let largest = |rgb: &[[u16; 3]]| rgb.par_iter().map(|&[r, g, b]| r.max(g).max(b)).max().unwrap_or(0);
+        let largest = |rgb: &[[u16; 3]]| rgb.as_flattened().iter().copied().max().unwrap_or(0);
         let times = self.gps_time.iter().flatten().copied().filter(|time| time.is_finite());
         Traits {
             largest_color: self.rgb.as_deref().map_or(0, largest),
-            most_returns: self.number_of_returns.par_iter().copied().max().unwrap_or(0),
+            most_returns: self.number_of_returns.iter().copied().max().unwrap_or(0),
             first_time: times.fold(f64::INFINITY, f64::min),
         }
     }

@@ -27,112 +27,53 @@ use pellucid_core::image::{Image, LinearImage};
 /// Reason why a result could not be written or an image not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// Unknown extension: neither `.png` nor `.exr`.
     #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = .0.display())]
     UnknownExtension(PathBuf),
     /// The folder of an output file is missing.
     #[error("{path}: no folder {folder}; create it first", path = path.display(), folder = folder.display())]
-    NoFolder {
-        /// The file to write.
-        path: PathBuf,
-        /// The destination.
-        folder: PathBuf,
-    },
+    NoFolder { path: PathBuf, folder: PathBuf },
     /// The output's name is that of a folder.
     #[error("{path}: this is a folder; give a file name", path = .0.display())]
     IsFolder(PathBuf),
     /// A file exists in place of a folder.
     #[error("{path}: {file} is a file and not a folder; name another folder", path = path.display(), file = file.display())]
-    NotAFolder {
-        /// The file to write.
-        path: PathBuf,
-        /// The file in its way.
-        file: PathBuf,
-    },
+    NotAFolder { path: PathBuf, file: PathBuf },
     /// The file could not be written; the earlier file remains.
     #[error("{path}: can't be written: {source}{help}", path = path.display(), help = remedy(source))]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's or the encoder's reason.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
     /// The file system has too little room for a file.
     #[error(
         "{path}: may take {bytes}, but only {free} are free there; free some space, write elsewhere, or reduce it (fewer \
          pixels, fewer points, --deep-type half)",
         path = path.display()
     )]
-    NoRoom {
-        /// The file.
-        path: PathBuf,
-        /// Bytes that it takes at most.
-        bytes: ByteSize,
-        /// Bytes that are free.
-        free: ByteSize,
-    },
+    NoRoom { path: PathBuf, bytes: ByteSize, free: ByteSize },
     /// The file could not be opened or read.
     #[error("{path}: can't be read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// The file's content contradicts its name.
     #[error("{path}: {reason}", path = path.display())]
-    Decode {
-        /// The file.
-        path: PathBuf,
-        /// The decoder's reason.
-        reason: String,
-    },
+    Decode { path: PathBuf, reason: String },
     /// The image has more pixels than images may have here.
     #[error("{path}: {width} × {height} pixels, but no side may have more than {MAX_SIDE}", path = path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Width that the header gives.
-        width: u64,
-        /// Height that the header gives.
-        height: u64,
-    },
+    TooLarge { path: PathBuf, width: u64, height: u64 },
     /// Two images to compare are not equally large.
     #[error("{a} has {a_width} × {a_height} pixels, but {b} has {b_width} × {b_height}; only images of the same size can be \
          compared", a = a.display(), b = b.display())]
-    SizesDiffer {
-        /// The first file.
-        a: PathBuf,
-        /// Width of the first image.
-        a_width: u32,
-        /// Height of the first image.
-        a_height: u32,
-        /// The other file.
-        b: PathBuf,
-        /// Width of the second image.
-        b_width: u32,
-        /// Height of the second image.
-        b_height: u32,
-    },
+    SizesDiffer { a: PathBuf, a_width: u32, a_height: u32, b: PathBuf, b_width: u32, b_height: u32 },
     /// Frames would overwrite other files.
     #[error(
         "{path}: this file is not a frame of this sequence ({count} such files) but of another scene, camera, size or \
          setting; give -o another name, or --overwrite to replace them",
         path = path.display()
     )]
-    Foreign {
-        /// The first of them.
-        path: PathBuf,
-        /// The number of such files.
-        count: usize,
-    },
+    Foreign { path: PathBuf, count: usize },
     /// A part of a report could not be made.
     #[error("the report: {reason}")]
-    Report {
-        /// The part, and the reason for it.
-        reason: String,
-    },
+    Report { reason: String },
     /// Standard output can't be written to.
     #[error("standard output: {0}{help}", help = remedy(.0))]
     Stdout(std::io::Error),

@@ -1,7 +1,6 @@
 //! Splats as formats give them, made into the columns of a cloud.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
-use rayon::prelude::*;
 
 use crate::columns::taken;
 use pellucid_core::cloud::gaussians::{Gaussians, Y0, coefficients, linear};
@@ -103,8 +102,7 @@ impl Splats {
             progress.inc((end - first) as u64);
             some
         };
-        let runs = (0..count.div_ceil(RUN)).into_par_iter().map(|at| run(at * RUN));
-        Self::join(degree, runs.collect())
+        Self::join(degree, parallel::gather(count.div_ceil(RUN), |at| run(at * RUN)))
     }
 
     /// Adds a splat with as many harmonics as the degree has; false if it is none, and was counted instead.

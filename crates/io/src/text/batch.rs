@@ -2,10 +2,9 @@
 
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
-use rayon::prelude::*;
-
 use super::lines::{Fields, Lines, MAX_LINE, comment};
 use crate::Error;
+use pellucid_core::parallel;
 
 /// Bytes of a batch, but for the rest of its last line.
 const BATCH: u64 = 8 << 20;
@@ -50,7 +49,7 @@ impl Batch {
             let rows = (values.len() / columns) as u64;
             Some((make(values), rows, fields, lines))
         };
-        let parts = self.parts().into_par_iter().map(parse).collect::<Option<Vec<_>>>()?;
+        let parts = parallel::try_map_each(&self.parts(), |part| parse(part).ok_or(())).ok()?;
         let mut all = Parsed { parts: Vec::with_capacity(parts.len()), rows: 0, fields: fields.clone(), lines: 0 };
         for (part, rows, fields, lines) in parts {
             if !all.fields.agree(&fields) {

@@ -2,9 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use rayon::prelude::*;
-
 use crate::columns::{Column, ScalarType};
+use pellucid_core::parallel;
 
 /// Names of the columns of a text file, from the first one on: `--columns` and `columns` of a `[[cloud]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -132,7 +131,7 @@ fn is_normal(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
             fits.then_some(has_units || length > 0.0)
         })
     };
-    parts.par_iter().map(has_units).try_reduce(|| false, |a, b| Some(a || b)) == Some(true)
+    parallel::try_map_each(parts, |part| has_units(part).ok_or(())).is_ok_and(|units| units.contains(&true))
 }
 
 /// Returns `true` if three columns are color channels of one range: fractions of 1, or integers of 255 or 65535.
@@ -154,12 +153,9 @@ fn is_color(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
         }
         Some((largest, integers))
     };
-    let both = |a: ([f64; 3], bool), b: ([f64; 3], bool)| {
-        Some(([0, 1, 2].map(|channel| a.0[channel].max(b.0[channel])), a.1 && b.1))
-    };
-    let Some((largest, integers)) = parts.par_iter().map(range).try_reduce(|| ([0.0; 3], true), both) else {
-        return false;
-    };
+    let Ok(ranges) = parallel::try_map_each(parts, |part| range(part).ok_or(())) else { return false };
+    let integers = ranges.iter().all(|(_, integers)| *integers);
+    let largest = [0, 1, 2].map(|channel| ranges.iter().map(|(largest, _)| largest[channel]).fold(0.0, f64::max));
     let most = largest.into_iter().fold(0.0, f64::max);
     if !integers {
         return most <= 1.0;

@@ -269,7 +269,6 @@ pub fn are_drawn(points: &Points, discs: &Discs) -> bool {
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
     let bodies = bodies(camera, size, points, discs);
     let stretch = |pixel: usize| ray(camera, size, [pixel as u32 % size[0], pixel as u32 / size[0]]).stretch;
-    let blended = bodies.iter().enumerate().map(|(pixel, list)| blend(list, colors, stretch(pixel)));
-    let pixels: Vec<Composite> = blended.collect();
-    ReferencePicture::of(size, &pixels, bodies.iter().map(|list| list.len() as u32).collect())
+    let blended = |(pixel, list): (usize, &Vec<Body>)| (blend(list, colors, stretch(pixel)), list.len() as u32);
+    ReferencePicture::of(size, bodies.iter().enumerate().map(blended))
 }

@@ -14,7 +14,7 @@ use pellucid_scene::{BlendedSplats, OneLayer};
 pub fn ranges(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &OneLayer) -> PictureRange {
     let splats = BlendedSplats::default();
     let blend_depth = f64::from(splats.blend_depth);
-    let mut picture = PictureRange { width: size[0], rgba: Vec::new(), depth: Vec::new(), counts: Vec::new() };
+    let mut picture = PictureRange { width: size[0], ..PictureRange::default() };
     for_each_list(camera, size, points, shape_of(points), &splats.splats, |list| {
         let (soft, solid): (Vec<Candidate>, Vec<Candidate>) =
             list.iter().partition(|f| is_soft(points, f.index, settings.threshold));

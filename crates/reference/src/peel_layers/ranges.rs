@@ -53,7 +53,7 @@ pub fn ranges(
 ) -> PictureRange {
     let layers = layers(camera, size, points, colors, settings);
     let pixels = size[0] as usize * size[1] as usize;
-    let mut picture = PictureRange { width: size[0], rgba: Vec::new(), depth: Vec::new(), counts: Vec::new() };
+    let mut picture = PictureRange { width: size[0], ..PictureRange::default() };
     for pixel in 0..pixels {
         let (mut rgba, mut transmittance) = (NOTHING, Range::only(1.0));
         for layer in &layers {

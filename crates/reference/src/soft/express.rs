@@ -50,16 +50,10 @@ pub fn lists(
 ) -> Vec<Vec<Fragment>> {
     let mut lists = vec![Vec::new(); len];
     for index in order(camera, points, model.soft.threshold) {
-        let splat = Splat {
-            position: points.positions[index],
-            radius: f64::from(points.radii[index]),
-            normal: None,
-            shape: Shape::Disc,
-            max_pixel_radius: f64::INFINITY,
-        };
+        let splat = Splat::facing(points.positions[index], f64::from(points.radii[index]), Shape::Disc);
         let w = super::density::modulation(points.fields[index], &model.soft);
         for pixel in footprint(camera, size, &splat) {
-            let Some(at) = wanted(pixel.y as usize * size[0] as usize + pixel.x as usize) else { continue };
+            let Some(at) = wanted(pixel.index(size)) else { continue };
             let opacity = opacity(model.strength.peak, pixel.rho);
             let alpha = if w == 1.0 { opacity } else { modulated_opacity(opacity, pixel.rho, w, model.strength.peak) };
             lists[at].push(Fragment { z: pixel.z, index: index as u32, alpha });

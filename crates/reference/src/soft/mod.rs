@@ -11,14 +11,17 @@ mod rectangle;
 mod spans;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 pub use self::density::Strength;
 pub use self::ray::{Chord, Ray};
 pub use self::spans::{Limits, Medium, Span, in_8_bits};
 use super::ReferencePicture;
 use super::coverage::is_in_depth;
+use super::fragments::Composite;
+/// The background of soft points: the pixel of a picture of the solid ones.
+pub use super::fragments::Composite as Behind;
 use pellucid_core::camera::Camera;
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 use pellucid_scene::{MAX_SHELLS, Shells, Soft, SoftMethod};
 
@@ -55,28 +58,6 @@ pub struct Sphere {
     pub modulation: f64,
     /// The number of concentric spheres that approximate it; `None` uses the density itself.
     pub shells: Option<u32>,
-}
-
-/// The background of soft points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Behind {
-    /// Premultiplied.
-    pub color: DVec3,
-    /// A.
-    pub alpha: f64,
-    /// z, +inf where nothing is.
-    pub depth: f64,
-}
-
-impl Behind {
-    /// An empty background.
-    pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
-
-    /// Returns a pixel of a picture of the solid points.
-    pub fn from_picture(picture: &ReferencePicture, pixel: usize) -> Self {
-        let [r, g, b, alpha] = picture.rgba[pixel];
-        Self { color: DVec3::new(r, g, b), alpha, depth: picture.depth[pixel] }
-    }
 }
 
 /// A finished pixel.
@@ -181,7 +162,7 @@ impl Scene<'_> {
             return each.map(|(list, pixel)| express::blend(list, self.colors, &behind(*pixel))).collect();
         }
         let spheres = self.spheres();
-        wanted.par_iter().map(|pixel| self.pixel(*pixel, spheres.iter(), &behind(*pixel))).collect()
+        parallel::gather(wanted.len(), |i| self.pixel(wanted[i], spheres.iter(), &behind(wanted[i])))
     }
 
     /// Renders the whole image. `behind` gives the background of a pixel.
@@ -190,13 +171,8 @@ impl Scene<'_> {
             SoftMethod::Express(_) => self.render_at(&(0..self.pixels()).collect::<Vec<_>>(), behind),
             _ => self.render_rows(behind),
         };
-        ReferencePicture {
-            width: self.size[0],
-            height: self.size[1],
-            rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
-            depth: pixels.iter().map(|p| p.depth).collect(),
-            counts: pixels.iter().map(|p| p.count).collect(),
-        }
+        let pixel = |p: &Pixel| (Composite { color: p.color, alpha: p.alpha, depth: p.depth }, p.count);
+        ReferencePicture::of(self.size, pixels.iter().map(pixel))
     }
 
     /// All pixels, with the spheres tried only where a rectangle around them reaches.
@@ -208,9 +184,9 @@ impl Scene<'_> {
         for (i, [_, y0, _, y1]) in rectangles.iter().enumerate() {
             of_row[*y0 as usize..*y1 as usize].iter_mut().for_each(|row| row.push(i));
         }
-        let row = |(y, members): (usize, &Vec<usize>)| {
+        let row = |y: usize| {
             let mut of_pixel = vec![Vec::new(); width];
-            for i in members {
+            for i in &of_row[y] {
                 let [x0, _, x1, _] = rectangles[*i];
                 of_pixel[x0 as usize..x1 as usize].iter_mut().for_each(|pixel| pixel.push(*i));
             }
@@ -220,6 +196,6 @@ impl Scene<'_> {
             };
             of_pixel.into_iter().enumerate().map(pixel).collect::<Vec<_>>()
         };
-        of_row.par_iter().enumerate().flat_map_iter(row).collect()
+        parallel::gather(of_row.len(), row).concat()
     }
 }

@@ -116,7 +116,7 @@ pub fn ranges(
     shape: Shape,
     settings: &BlendedSplats,
 ) -> PictureRange {
-    let mut picture = PictureRange { width: size[0], rgba: Vec::new(), depth: Vec::new(), counts: Vec::new() };
+    let mut picture = PictureRange { width: size[0], ..PictureRange::default() };
     for_each_list(camera, size, points, shape, &settings.splats, |list| {
         let (rgba, depth) = blend(list, colors, f64::from(settings.blend_depth));
         picture.push(rgba, depth, count(list));

@@ -20,7 +20,6 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::neighbors::Places;
 use pellucid_core::parallel;
@@ -54,7 +53,7 @@ fn spacing(positions: &[DVec3]) -> Option<f64> {
         of_run(positions, if positions.len() > RUN { STRIDE } else { 1 })
     } else {
         let start = |run: usize| (positions.len() - RUN) / (RUNS - 1) * run;
-        (0..RUNS).into_par_iter().flat_map_iter(|run| of_run(&positions[start(run)..][..RUN], STRIDE)).collect()
+        parallel::gather(RUNS, |run| of_run(&positions[start(run)..][..RUN], STRIDE)).concat()
     };
     let middle = spacings.len() / 2;
     (!spacings.is_empty()).then(|| *spacings.select_nth_unstable_by(middle, f64::total_cmp).1)

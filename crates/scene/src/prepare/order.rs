@@ -3,8 +3,6 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::keyed::{self, Keyed};
 use super::morton::{self, Cells};
 use pellucid_core::cloud::Bounds;
@@ -33,8 +31,8 @@ pub fn canonical(mut points: Points) -> Points {
 #[doc(hidden)]
 pub fn merged(parts: &[Arc<Points>], bounds: &Bounds) -> Vec<[u32; 2]> {
     let cells = Cells::of(bounds);
-    let of_part = |(part, points): (usize, &Arc<Points>)| (0..points.len() as u32).map(move |at| [part as u32, at]);
-    let all: Vec<[u32; 2]> = parts.par_iter().enumerate().flat_map_iter(of_part).collect();
+    let of_part = |part: usize| (0..parts[part].len() as u32).map(|at| [part as u32, at]).collect::<Vec<_>>();
+    let all = parallel::gather(parts.len(), of_part).concat();
     let at = |i: u32| {
         let [part, at] = all[i as usize];
         (&*parts[part as usize], at as usize)

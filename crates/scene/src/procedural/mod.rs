@@ -118,97 +118,40 @@ pub struct Generated {
 /// Reason why a built-in scene could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
-    /// No scene has this name.
+    /// No scene has this name. `hint` is `, did you mean "…"?`, or nothing if no name is near.
     #[error("no built-in scene is called \"{name}\"{hint}; expected one of {known}")]
-    UnknownScene {
-        /// The name asked for.
-        name: String,
-        /// `, did you mean "…"?`, or nothing if no name is near.
-        hint: String,
-        /// All names.
-        known: String,
-    },
-    /// The scene has no such parameter.
+    UnknownScene { name: String, hint: String, known: String },
+    /// The scene has no such parameter. `hint` is `, did you mean "…"?`, or nothing if no name is near.
     #[error("the scene \"{scene}\" has no parameter \"{name}\"{hint}; it has {known}")]
-    UnknownParameter {
-        /// The scene.
-        scene: &'static str,
-        /// The parameter asked for.
-        name: String,
-        /// `, did you mean "…"?`, or nothing if no name is near.
-        hint: String,
-        /// All parameters of the scene.
-        known: String,
-    },
+    UnknownParameter { scene: &'static str, name: String, hint: String, known: String },
     /// A value outside its range, NaN included.
     #[error("{scene}: {name} = {value} is out of range; it must lie from {min} to {max}")]
-    OutOfRange {
-        /// The scene.
-        scene: &'static str,
-        /// The parameter.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-        /// Smallest value allowed.
-        min: f64,
-        /// Largest value allowed.
-        max: f64,
-    },
+    OutOfRange { scene: &'static str, name: &'static str, value: f64, min: f64, max: f64 },
     /// A count with a fraction.
     #[error("{scene}: {name} = {value} is a count and must be a whole number")]
-    NotInteger {
-        /// The scene.
-        scene: &'static str,
-        /// The parameter.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-    },
-    /// No radius gives the wanted mean number of layers with this many points.
+    NotInteger { scene: &'static str, name: &'static str, value: f64 },
+    /// No radius gives the wanted mean number of layers with this many points: it is `least` at radius 0, and `most`
+    /// where every point covers the whole image.
     #[error(
         "volume: {points} points cannot give layers = {layers}: a radius of 0 gives {least:.3} and one that fills the \
          image {most:.0}; change points or layers"
     )]
-    OutOfReach {
-        /// Layers asked for.
-        layers: f64,
-        /// Points asked for.
-        points: usize,
-        /// Mean layers at radius 0.
-        least: f64,
-        /// Mean layers where every point covers the whole image.
-        most: f64,
-    },
-    /// The volume has no surface at a value.
+    OutOfReach { layers: f64, points: usize, least: f64, most: f64 },
+    /// The volume has no surface at a value, the requested one or the only one in the volume. The least and the
+    /// greatest value of the volume are NaN if it has none.
     #[error(
         "iso: no surface has the value {value}; the values of the volume range from {least} to {greatest}, and a surface \
          needs some above it and some below"
     )]
-    NoSurface {
-        /// The requested value, or the only one in the volume.
-        value: f64,
-        /// The volume's least value; NaN if it has none.
-        least: f64,
-        /// Greatest value of the volume; NaN if it has none.
-        greatest: f64,
-    },
+    NoSurface { value: f64, least: f64, greatest: f64 },
     /// More values than available colors.
     #[error("iso: {values} values, but at most {most} are allowed")]
-    TooManySurfaces {
-        /// The number of given values.
-        values: usize,
-        /// The largest allowed number.
-        most: usize,
-    },
+    TooManySurfaces { values: usize, most: usize },
     /// Not enough memory for the points.
     #[error("{points} points need {bytes} bytes, more than can be allocated; ask for fewer points")]
-    TooLarge {
-        /// Points asked for.
-        points: usize,
-        /// The memory they need.
-        bytes: usize,
-    },
+    TooLarge { points: usize, bytes: usize },
 }
 
 /// Makes the built-in scene `name`.

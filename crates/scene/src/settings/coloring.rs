@@ -54,82 +54,72 @@ impl ColormapName {
     }
 }
 
-/// `color_by` of a `[[cloud]]`.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum ColorBy {
-    /// The best source that the file has.
-    #[default]
-    Auto,
-    /// The file's colors.
-    Rgb,
-    /// The coordinate along the vertical.
-    Height,
-    /// Intensity.
-    Intensity,
-    /// The colors of classes.
-    Classification,
-    /// Number of the return within its pulse.
-    Return,
-    /// Source of the point, usually a flight line.
-    Source,
-    /// Time in seconds since the first point.
-    GpsTime,
-    /// Direction of the normal: x, y, z as red, green, blue.
-    Normal,
-    /// One color for each cloud.
-    Cloud,
-    /// One color for all: white.
-    Uniform,
-    /// The field F.
-    Field,
-    /// A scalar of the file, by its name.
-    Scalar(String),
+/// Declares an enum of words with what each means, like [`words`], or the name of a scalar.
+macro_rules! words_or_scalar {
+    (
+        $(#[$meta:meta])*
+        pub enum $Name:ident {
+            $($(#[doc = $about:literal])+ $Variant:ident = $word:literal,)+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, PartialEq, Eq)]
+        pub enum $Name {
+            $($(#[doc = $about])+ $Variant,)+
+            /// A scalar of the file, by its name.
+            Scalar(String),
+        }
+
+        impl Default for $Name {
+            fn default() -> Self {
+                Self::Auto
+            }
+        }
+
+        impl $Name {
+            /// The words; everything else is the name of a scalar.
+            const WORDS: &'static [Word] =
+                &[$(Word { name: $word, about: concat!($($about),+).trim_ascii_start() }),+];
+
+            fn known() -> impl Iterator<Item = (&'static str, Self)> {
+                [$(($word, Self::$Variant)),+].into_iter()
+            }
+        }
+    };
 }
 
-const fn word(name: &'static str, about: &'static str) -> Word {
-    Word { name, about }
+words_or_scalar! {
+    /// `color_by` of a `[[cloud]]`.
+    pub enum ColorBy {
+        /// The file's colors unless all are black or all white; else classes if there are three besides 0 and 1; else
+        /// height.
+        Auto = "auto",
+        /// The file's colors.
+        Rgb = "rgb",
+        /// The coordinate along the vertical; with auto darker where intensity is small.
+        Height = "height",
+        /// The file's intensity.
+        Intensity = "intensity",
+        /// Classes, each with a color of its own.
+        Classification = "classification",
+        /// Number of the return within its pulse.
+        Return = "return",
+        /// Source of the point, usually a flight line.
+        Source = "source",
+        /// Seconds since the first point.
+        GpsTime = "gps-time",
+        /// Direction of the normal: x, y, z as red, green, blue.
+        Normal = "normal",
+        /// One color for each cloud.
+        Cloud = "cloud",
+        /// White for all.
+        Uniform = "uniform",
+        /// The field F of `field`.
+        Field = "field",
+    }
 }
 
 impl ColorBy {
-    /// The words; everything else is the name of a scalar.
-    const WORDS: &'static [Word] = &[
-        word(
-            "auto",
-            "The file's colors unless all are black or all white; else classes if there are three besides 0 and 1; else height.",
-        ),
-        word("rgb", "The file's colors."),
-        word("height", "The coordinate along the vertical; with auto darker where intensity is small."),
-        word("intensity", "The file's intensity."),
-        word("classification", "Classes, each with a color of its own."),
-        word("return", "Number of the return within its pulse."),
-        word("source", "Source of the point, usually a flight line."),
-        word("gps-time", "Seconds since the first point."),
-        word("normal", "Direction of the normal: x, y, z as red, green, blue."),
-        word("cloud", "One color for each cloud."),
-        word("uniform", "White for all."),
-        word("field", "The field F of `field`."),
-    ];
-
-    /// Meanings of the words, in the same order.
-    const MEANINGS: [Self; 12] = [
-        Self::Auto,
-        Self::Rgb,
-        Self::Height,
-        Self::Intensity,
-        Self::Classification,
-        Self::Return,
-        Self::Source,
-        Self::GpsTime,
-        Self::Normal,
-        Self::Cloud,
-        Self::Uniform,
-        Self::Field,
-    ];
-
-    fn known() -> impl Iterator<Item = (&'static str, Self)> {
-        Self::words().zip(Self::MEANINGS)
-    }
-
     /// Returns the words of a scene file that name no scalar.
     pub fn words() -> impl Iterator<Item = &'static str> {
         Self::WORDS.iter().map(|word| word.name)
@@ -195,7 +185,6 @@ mod tests {
 
     #[test]
     fn every_word_has_its_meaning() {
-        assert_eq!(ColorBy::WORDS.len(), ColorBy::MEANINGS.len());
         for (word, meaning) in ColorBy::known() {
             let variant = format!("{meaning:?}").to_lowercase();
             assert_eq!((meaning.word(), variant), (word, word.replace('-', "")));

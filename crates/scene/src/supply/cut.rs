@@ -5,7 +5,6 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::tree::BlockTree;
 use super::{Block, Failure, Keep, Scale, Supply, grown};
@@ -132,18 +131,18 @@ impl Cut {
         let tree = BlockTree::new(all);
         let is_random = levels.iter().any(Option::is_none);
         let numbers: Vec<u32> = (0..all.len() as u32).filter(|number| kept[*number as usize]).collect();
-        let cut = |number: &u32| {
-            let block = all[*number as usize];
+        let cut = |i: usize| {
+            let (number, block) = (numbers[i] as usize, all[numbers[i] as usize]);
             let growth = if is_random { random.growth(px, random.scale.least_px(&block.bounds)) } else { 1.0 };
             let growth = growth.max(tree.most_growth(all, &kept, &block.bounds));
-            let points = if levels[*number as usize].is_some() {
+            let points = if levels[number].is_some() {
                 block.points
             } else {
                 (share(&block) * block.points as f64).ceil() as u64
             };
             (Block { radius: grown(block.radius, growth), points, ..block }, growth)
         };
-        let (blocks, growths): (Vec<Block>, Vec<f32>) = numbers.par_iter().with_min_len(64).map(cut).unzip();
+        let (blocks, growths): (Vec<Block>, Vec<f32>) = parallel::gather(numbers.len(), cut).into_iter().unzip();
         let most_growth = growths.into_iter().fold(1.0, f32::max);
         Self { tree, kept, blocks, numbers, random, is_random, px, nowhere, most_growth, whole }
     }

@@ -9,7 +9,6 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 pub use cut::{Cut, CutPicture, Limits};
 use pellucid_core::cloud::Bounds;
@@ -111,18 +110,14 @@ pub fn grown(radius: f32, factor: f32) -> f32 {
 
 /// Reason why points can't be taken.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Failure {
     /// The store failed.
     #[error("{0}")]
     Store(#[from] Arc<pellucid_io::Error>),
     /// The coarsest level has more points than are allowed.
     #[error("{points} points of the coarsest level are in the picture, {allowed} are allowed")]
-    Coarsest {
-        /// Points that are allowed.
-        allowed: u64,
-        /// Points in the picture.
-        points: u64,
-    },
+    Coarsest { allowed: u64, points: u64 },
     /// Somebody who watches the progress wanted the work to end.
     #[error("cancelled")]
     Cancelled,
@@ -182,13 +177,13 @@ impl HeldPoints {
     /// Returns points in canonical order.
     pub fn new(points: Arc<Points>) -> Self {
         let starts = starts(&points);
-        let block = |range: &[usize]| {
-            let range = range[0]..range[1];
+        let block = |i: usize| {
+            let range = starts[i]..starts[i + 1];
             let positions = points.positions[range.clone()].iter().copied();
             let radius = points.radii[range.clone()].iter().copied().fold(0.0, f32::max);
             Some(Block { bounds: Bounds::enclosing(positions)?, radius, points: range.len() as u64, branch: None })
         };
-        let blocks = starts.par_windows(2).filter_map(block).collect();
+        let blocks = parallel::gather(starts.len() - 1, block).into_iter().flatten().collect();
         Self { points, blocks, starts }
     }
 }
@@ -225,10 +220,9 @@ impl Supply for HeldPoints {
         };
         let places: Vec<Vec<u32>> = parallel::gather(blocks.len(), places);
         let factors: Option<Vec<f32>> = keep.grows.map(|grows| {
-            let of_block = |(block, places): (&u32, &Vec<u32>)| -> Vec<f32> {
-                places.iter().map(|place| grows(positions[*place as usize], *block)).collect()
-            };
-            blocks.par_iter().zip(&places).flat_map_iter(of_block).collect()
+            let grow = |i: usize, place: &u32| grows(positions[*place as usize], blocks[i]);
+            let of_block = |i: usize| -> Vec<f32> { places[i].iter().map(|place| grow(i, place)).collect() };
+            parallel::gather(blocks.len(), of_block).concat()
         });
         let mut taken = self.points.subset(&places.concat(), 1.0);
         if let Some(factors) = factors {

@@ -98,20 +98,16 @@ impl PlacementKey {
             |cloud: &CloudSettings| (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop));
         let each = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow));
         let drawn = |(settings, cloud)| gaussians::are_drawn(scene, settings, cloud).then(|| GaussianKey::of(settings));
-        let gaussians = each.map(drawn).collect();
-        let clouds = scene.clouds.iter().map(placed);
         let visible = |entry: &ClassSettings| Some((entry.points.clone(), entry.visible?));
-        let hidden = scene.clouds.iter().map(|cloud| cloud.class.iter().filter_map(visible).collect());
-        let dealt = scene.method.is_dealt();
+        let hidden = |cloud: &CloudSettings| cloud.class.iter().filter_map(visible).collect();
         let neighbors = || scene.clouds.iter().map(|cloud| cloud.neighbors).collect();
-        let normals = scene.shading_normals().map(|which| (which, neighbors()));
         Self {
-            dealt,
-            clouds: clouds.collect(),
-            hidden: hidden.collect(),
+            dealt: scene.method.is_dealt(),
+            clouds: scene.clouds.iter().map(placed).collect(),
+            hidden: scene.clouds.iter().map(hidden).collect(),
             clips: scene.clips.clone(),
-            normals,
-            gaussians,
+            normals: scene.shading_normals().map(|which| (which, neighbors())),
+            gaussians: each.map(drawn).collect(),
         }
     }
 }
@@ -245,28 +241,20 @@ fn views<'a>(
     let each = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow)).zip(derived).zip(column_keys);
     each.map(|(((settings, cloud), derived), column_key)| {
         let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.own_radii() };
-        let radii = own.filter(|_| settings.radius.is_none());
-        let colors = derived.colors();
-        let fields = if column_key.field.is_some() { derived.fields() } else { None };
-        let dropped = settings.strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
-        let rules = Rules::of(settings, cloud)?;
-        let normals = scene.shading_normals().and_then(|which| derived.normals(which)).or(cloud.normals.as_deref());
+        let normals = scene.shading_normals().and_then(|which| derived.normals(which));
         let neighbors = column_key.surface_opacity.and_then(|(_, neighbors)| neighbors);
-        let uncapped = neighbors.and_then(|_| derived.uncapped());
-        let neighbors = neighbors.unwrap_or_default();
-        let gaussians = cloud.gaussians.as_ref().filter(|_| gaussians::are_drawn(scene, settings, cloud));
         Ok(CloudView {
             settings,
             cloud,
-            rules,
-            colors,
-            radii,
-            fields,
-            uncapped,
-            neighbors,
-            normals,
-            dropped,
-            gaussians,
+            rules: Rules::of(settings, cloud)?,
+            colors: derived.colors(),
+            radii: own.filter(|_| settings.radius.is_none()),
+            fields: column_key.field.as_ref().and_then(|_| derived.fields()),
+            uncapped: neighbors.and_then(|_| derived.uncapped()),
+            neighbors: neighbors.unwrap_or_default(),
+            normals: normals.or(cloud.normals.as_deref()),
+            dropped: settings.strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule)),
+            gaussians: cloud.gaussians.as_ref().filter(|_| gaussians::are_drawn(scene, settings, cloud)),
         })
     })
     .collect()

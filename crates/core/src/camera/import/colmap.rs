@@ -61,18 +61,15 @@ fn is_model(folder: &Path, extension: &str) -> bool {
 
 pub fn read(folder: &Path) -> Result<Cameras, Error> {
     let binary = is_model(folder, "bin");
-    let (cameras, images) = if binary {
-        let images = folder.join("images.bin");
-        (binary::cameras(&folder.join("cameras.bin"))?, (binary::images(&images)?, images))
-    } else {
-        let images = folder.join("images.txt");
-        (lines::cameras(&folder.join("cameras.txt"))?, (lines::images(&images)?, images))
-    };
-    let (images, path) = images;
-    cameras_of(images, &cameras, &path)
+    let file = |name: &str| folder.join(name).with_extension(if binary { "bin" } else { "txt" });
+    let [cameras, images] = ["cameras", "images"].map(file);
+    if binary {
+        return cameras_of(&binary::cameras(&cameras)?, binary::images(&images)?, &images);
+    }
+    cameras_of(&lines::cameras(&cameras)?, lines::images(&images)?, &images)
 }
 
-fn cameras_of(mut images: Vec<Image>, cameras: &BTreeMap<u32, Intrinsics>, path: &Path) -> Result<Cameras, Error> {
+fn cameras_of(cameras: &BTreeMap<u32, Intrinsics>, mut images: Vec<Image>, path: &Path) -> Result<Cameras, Error> {
     check_count(path, images.len(), "images")?;
     images.sort_by(|a, b| a.name.cmp(&b.name));
     let mut views = Vec::new();

@@ -100,35 +100,17 @@ impl Problem {
 /// Reason why a file of cameras can't be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// The file can't be read.
     #[error("{path}: can't read the camera path: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// The text is not valid, at this line and column.
+    Read { path: PathBuf, source: std::io::Error },
+    /// The text is not valid, at this line and column, counted from 1; the column is 1 where only the line is known.
     #[error("{path}:{line}:{column}: {message}", path = path.display())]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1; 1 where only the line is known.
-        column: usize,
-        /// The defect at this position.
-        message: String,
-    },
+    Syntax { path: PathBuf, line: usize, column: usize, message: String },
     /// The file is readable, but its content is not a valid path.
     #[error("{path}: {problem}", path = path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// The defect and its position.
-        problem: Problem,
-    },
+    Content { path: PathBuf, problem: Problem },
 }
 
 impl Error {

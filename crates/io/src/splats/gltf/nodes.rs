@@ -1,6 +1,6 @@
 //! The primitives of splats in a scene, and how their nodes place them.
 
-use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
+use glam::{DMat3, DMat4, DQuat, DVec3};
 
 use super::document::{Document, Node, PrimitiveOf};
 
@@ -87,10 +87,7 @@ fn matrix(node: &Node) -> DMat4 {
     }
     let rotation = DMat4::from_mat3(turned(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0])));
     let scale = DMat4::from_mat3(DMat3::from_diagonal(node.scale.unwrap_or([1.0; 3]).into()));
-    let move_to = DVec3::from(node.translation.unwrap_or([0.0; 3]));
-    let mut moved = DMat4::IDENTITY;
-    moved.w_axis = DVec4::new(move_to.x, move_to.y, move_to.z, 1.0);
-    moved * rotation * scale
+    DMat4::from_translation(node.translation.unwrap_or([0.0; 3]).into()) * rotation * scale
 }
 
 /// The matrix of a quaternion of any length; of one without a direction it is not finite.

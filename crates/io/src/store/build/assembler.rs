@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-
 use super::super::octree::about::About;
 use super::super::octree::attributes::{AttributeLayout, Role};
 use super::super::octree::metadata::{self, Metadata};
@@ -21,6 +19,7 @@ use super::tree::{Done, Open, Rules};
 use crate::Error;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::facts::Facts;
+use pellucid_core::parallel;
 
 /// The file of the points that stand for all, while there are more to come.
 const SAMPLE: &str = "sample";
@@ -155,8 +154,9 @@ impl Assembler {
 
     /// Writes nodes in their order.
     fn write(&mut self, done: Vec<Done>) -> Result<(), Error> {
-        let look = |done: &Done| (Ranges::of(&self.layout, &done.records), self.surveyor.look(&done.records));
-        let seen: Vec<_> = done.par_iter().map(look).collect();
+        let records = |i: usize| &done[i].records;
+        let look = |i: usize| (Ranges::of(&self.layout, records(i)), self.surveyor.look(records(i)));
+        let seen = parallel::gather(done.len(), look);
         for (node, ((ranges, extent), (facts, sample))) in done.into_iter().zip(seen) {
             let offset = self.points.len();
             self.points.write(&node.records)?;

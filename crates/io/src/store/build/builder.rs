@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::super::{Grid, Piece, Store};
@@ -9,7 +10,7 @@ use super::assembler::{Assembler, NODE_POINTS, Told};
 use super::cube::{Cell, Cube};
 use super::encode::encode;
 use super::feeder::{Feeder, remove};
-use super::input::{Input, Outside};
+use super::input::Input;
 use super::plan::ChunkPlan;
 use super::scatter::{self, Scatter};
 use super::state::{self, Assembled, Scattered, State};
@@ -167,10 +168,10 @@ impl Build<'_> {
     }
 
     /// The records of a piece, and the largest distance by which a position moved.
-    fn encode(&self, layout: &AttributeLayout) -> impl Fn(Piece) -> Result<(Vec<u8>, f64), Outside> + Sync {
+    fn encode(&self, layout: &AttributeLayout) -> impl Fn(Piece) -> Result<(Vec<u8>, f64), DVec3> + Sync {
         let (layout, cube) = (layout.clone(), self.cube);
         move |Piece { cloud, places }| {
-            let encoded = encode(&layout, &cube, &cloud, &places).map_err(Outside)?;
+            let encoded = encode(&layout, &cube, &cloud, &places)?;
             Ok((encoded.records, encoded.rounding))
         }
     }

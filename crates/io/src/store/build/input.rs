@@ -38,12 +38,12 @@ impl<'a> Input<'a> {
     }
 
     /// Reads everything in batches of about so many points, on all cores. What `see` makes of the pieces is handed to
-    /// `take` in order.
+    /// `take` in order. The error of `see` is a position outside the bounds.
     pub fn each<T: Send>(
         &self,
         batch_points: u64,
         progress: &Progress,
-        see: impl Fn(Piece) -> Result<T, Outside> + Sync,
+        see: impl Fn(Piece) -> Result<T, DVec3> + Sync,
         mut take: impl FnMut(T) -> Result<(), Error>,
     ) -> Result<(), Error> {
         progress.reset();
@@ -87,8 +87,7 @@ impl<'a> Input<'a> {
         Ok(Piece { cloud: fitted(cloud, &self.like), places })
     }
 
-    fn error(&self, store: usize, outside: Outside) -> Error {
-        let Outside(position) = outside;
+    fn error(&self, store: usize, position: DVec3) -> Error {
         let Bounds { min, max } = self.bounds;
         let cause = format!("it lies outside the box that was announced, from {min} to {max}");
         Error::malformed(&self.stores[store].summary().path, format!("point at {position}"), cause)
@@ -99,7 +98,3 @@ impl<'a> Input<'a> {
         Error::Cancelled { path: self.stores.first().map(|store| store.summary().path.clone()).unwrap_or_default() }
     }
 }
-
-/// A point that isn't where all are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Outside(pub DVec3);

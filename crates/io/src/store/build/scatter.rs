@@ -1,7 +1,7 @@
 //! The second pass: records to files by chunk.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::super::octree::integers;
@@ -105,22 +105,12 @@ pub(super) fn each_block(
 ) -> Result<(), Error> {
     let failed = |source| Error::Read { path: path.to_path_buf(), source };
     let mut file = File::open(path).map_err(failed)?;
-    let mut block = vec![0; block_bytes];
-    loop {
-        let mut filled = 0;
-        while filled < block.len() {
-            match file.read(&mut block[filled..]) {
-                Ok(0) => break,
-                Ok(read) => filled += read,
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(failed(error)),
-            }
-        }
-        if filled == 0 {
-            return Ok(());
-        }
-        see(&block[..filled])?;
+    let mut block = Vec::with_capacity(block_bytes);
+    while file.by_ref().take(block_bytes as u64).read_to_end(&mut block).map_err(failed)? > 0 {
+        see(&block)?;
+        block.clear();
     }
+    Ok(())
 }
 
 /// Records by cells of a chunk below `base`, along the Morton curve.

@@ -154,10 +154,7 @@ impl Run<'_> {
 
     /// The records of the points of a cell, from nodes that are read side by side.
     fn records(&self, chunk: &Chunk) -> Result<Vec<u8>, Error> {
-        let parts = parallel::try_map_each(&chunk.nodes, |node| self.part(chunk.cell, *node))?;
-        let mut records = Vec::with_capacity(parts.iter().map(Vec::len).sum());
-        parts.into_iter().for_each(|part| records.extend(part));
-        Ok(records)
+        Ok(parallel::try_map_each(&chunk.nodes, |node| self.part(chunk.cell, *node))?.concat())
     }
 
     /// The records of the points of a node that are in a cell.

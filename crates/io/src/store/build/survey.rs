@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::super::Piece;
 use super::cube::{Cell, Cube};
-use super::input::{Input, Outside};
+use super::input::Input;
 use super::types::Types;
 use crate::Error;
 use pellucid_core::progress::Progress;
@@ -68,12 +69,11 @@ pub(super) fn survey(input: &Input, cube: &Cube, memory: Memory, progress: &Prog
         BuildSurvey { types: Types::default(), counts: Counts::new(cube, Cell::ROOT.level), least_radius: None };
     let levels = survey.counts.levels;
     let see = |piece: Piece| {
-        let code = |position: &glam::DVec3| {
-            let steps =
-                cube.grid.nearest(*position).and_then(|nearest| cube.steps(nearest)).ok_or(Outside(*position))?;
-            Ok(cube.code(steps, 0, levels))
+        let code = |position: &DVec3| {
+            let steps = cube.grid.nearest(*position).and_then(|nearest| cube.steps(nearest));
+            steps.map(|steps| cube.code(steps, 0, levels)).ok_or(*position)
         };
-        let codes: Vec<u64> = piece.cloud.positions.iter().map(code).collect::<Result<_, _>>()?;
+        let codes = piece.cloud.positions.iter().map(code).collect::<Result<Vec<u64>, DVec3>>()?;
         let radii = piece.cloud.radii.iter().flatten().copied().filter(|radius| *radius > 0.0);
         Ok((Types::of(&piece.cloud, &cube.grid), codes, radii.reduce(f32::min)))
     };

@@ -40,18 +40,14 @@ const BYTES_OF_NEIGHBOR: u64 = 4;
 /// Reason why a store can't be prepared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// Files can't be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The cloud lacks what its field is made of.
     #[error("{}: {source}", path.display())]
-    Field {
-        /// The store that was to be.
-        path: PathBuf,
-        /// Reason for what it lacks.
-        source: field::Error,
-    },
+    Field { path: PathBuf, source: field::Error },
 }
 
 /// Data that is computed of each point, in addition to the radius.

@@ -1,10 +1,10 @@
 //! Points on an iso-surface: random, as many to one part of its area as to another of the same size.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::super::random::Random;
 use super::field::Field;
+use pellucid_core::parallel;
 
 /// Six tetrahedra around a cell's diagonal fill it, and neighbors meet in the same triangles (Freudenthal). Corners are
 /// numbers of three bits: x, y, z.
@@ -60,9 +60,9 @@ impl<'a> Isosurface<'a> {
                 let area: f64 = triangles(field, [at % width, at / width, z], value).iter().map(Triangle::area).sum();
                 (area > 0.0).then_some((z * width * height + at, area))
             };
-            (0..width * height).filter_map(cell)
+            (0..width * height).filter_map(cell).collect::<Vec<_>>()
         };
-        let mut cells: Vec<(usize, f64)> = (0..depth).into_par_iter().flat_map_iter(of_layer).collect();
+        let mut cells: Vec<(usize, f64)> = parallel::gather(depth, of_layer).concat();
         let mut area = 0.0;
         for (_, end) in &mut cells {
             area += *end;
