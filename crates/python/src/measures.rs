@@ -58,15 +58,12 @@ pub fn plan(session: &mut Session) -> Result<String, Failure> {
 
 /// Extent of a comparison.
 #[derive(FromPyObject)]
+#[pyo3(from_item_all)]
 pub struct TradeoffExtent {
-    #[pyo3(item)]
     quick: bool,
-    #[pyo3(item)]
     only: Vec<String>,
-    #[pyo3(item)]
     seconds: Option<f64>,
     /// Name of the function that was called, for the report.
-    #[pyo3(item)]
     command: String,
 }
 
