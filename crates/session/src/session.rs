@@ -44,6 +44,8 @@ pub struct Session {
     pub found: Option<OpacityFactor>,
     /// Opacity found for a larger scene that this one is a part of; then none is looked for.
     pub opacity_of_whole: Option<OpacityFactor>,
+    /// `true` for a part of a larger scene. Whatever doesn't come out as requested is said of the whole.
+    pub is_part: bool,
     /// Method chosen by error or time.
     pub choice: Option<Choice>,
     /// The points on the device.
@@ -105,6 +107,7 @@ impl Session {
             why: String::new(),
             found: None,
             opacity_of_whole: None,
+            is_part: false,
             choice: None,
             uploaded,
             decided: None,
@@ -340,6 +343,9 @@ impl Session {
 
     /// Says which opacity was found, and warns of settings and clouds that don't come out as requested.
     pub fn warn(&self, messages: &dyn Messages) {
+        if self.is_part {
+            return;
+        }
         self.describe_opacity(messages);
         let once = self.told.to(messages);
         let warnings = notes::warnings(&self.prepared, &self.uploaded.cloud, &self.frame, &self.why);
@@ -365,6 +371,9 @@ impl Session {
     /// # Errors
     /// Returns an error if a trial frame can't be rendered.
     pub fn judge(&mut self, image: &Image, messages: &dyn Messages) -> Result<()> {
+        if self.is_part {
+            return Ok(());
+        }
         if let Some(empty) = notes::empty(image, self.prepared.points()) {
             messages.warn(&empty);
         } else if !std::mem::replace(&mut self.is_judged, true) {
@@ -375,14 +384,14 @@ impl Session {
     }
 
     /// Renders a picture, reports what is odd about it, and returns it as it is written, with the way in which that is
-    /// done.
+    /// done; `own` is added to the metadata.
     ///
     /// # Errors
     /// Returns the errors of [`Self::render`], [`Self::judge`] and [`Self::finish`].
-    pub fn picture(&mut self, messages: &dyn Messages) -> Result<(Rendered, WriteOptions)> {
+    pub fn picture(&mut self, own: Vec<(String, String)>, messages: &dyn Messages) -> Result<(Rendered, WriteOptions)> {
         let mut rendered = self.render()?;
         self.judge(&rendered.image, messages)?;
-        let options = self.finish(&mut rendered, Vec::new(), messages)?;
+        let options = self.finish(&mut rendered, own, messages)?;
         Ok((rendered, options))
     }
 

@@ -86,6 +86,11 @@ pub fn write_json(path: &Path, value: &Value) -> Result<()> {
     Ok(output::write_atomically(path, |file| writeln!(file, "{value:#}"))?)
 }
 
+/// Parses a number that fits; `expected` is the error for everything else.
+pub fn number(fits: fn(&f64) -> bool, expected: &'static str) -> impl TypedValueParser<Value = f64> {
+    move |text: &str| text.parse().ok().filter(fits).ok_or(expected)
+}
+
 /// Parses one of some words as the value that it stands for.
 pub fn one_of<T: Copy + Send + Sync + 'static>(
     words: &'static [(&'static str, T)],

@@ -99,7 +99,7 @@ pub struct TradeoffArgs {
     /// Slow settings get fewer frames and seeds. A setting whose frame takes more than a 60th of this time is measured
     /// once. A setting is skipped if its frame is predicted to take more than an 8th of this time, or more than the
     /// rest of it; the prediction comes from cheaper settings of the same method.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds())]
     time: Option<f64>,
     #[command(flatten)]
     along: PathArgs,
@@ -184,16 +184,16 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let frame = FrameRequest { memory_budget: args.device.budget(), ..FrameRequest::default() };
     let along = args.course(console)?;
     let size = along.as_ref().and_then(Along::size);
-    let mut request = Request { frame, ..args.input.request(size, &progress, console)? };
+    let mut request = Request { frame, ..args.input.request(size, &progress)? };
     request.wanted.radii = along.is_none();
     let (prepared, cameras) = match along {
-        Some(along) => along.prepare(request, console, &progress)?,
+        Some(along) => along.prepare(request, &progress)?,
         None => {
-            let opened = Opened::new(request, &console, &progress)?;
+            let opened = Opened::new(request, &progress, &progress)?;
             if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
                 return Err(usage(IN_FILES));
             }
-            (opened.prepare(&console, &progress)?, Vec::new())
+            (opened.prepare(&progress, &progress)?, Vec::new())
         }
     };
     args.check_popping(&prepared, &cameras)?;
@@ -203,7 +203,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
         Some(_) => {
             let mut session = Session::upload(&args.device.open(&progress)?, prepared, false, &progress)?;
             session.find_opacity()?;
-            session.describe_opacity(&console);
+            session.describe_opacity(&progress);
             let factors = session.frame.factors;
             (session.prepared, factors)
         }
