@@ -15,7 +15,7 @@ use pellucid_engine::plan;
 use pellucid_engine::profile::Profile;
 use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
-use pellucid_scene::{self as scene, Detail, Method, MethodChoice, Scene};
+use pellucid_scene::{self as scene, Method, MethodChoice, Scene};
 
 use crate::assembled::Assembled;
 use crate::choice::{self, Choice, ChoiceFrame, Wish};
@@ -262,7 +262,7 @@ impl Session {
 
     /// Chooses the method and its setting by the limits that they must keep to.
     fn choose(&mut self, wish: Wish, messages: &dyn Messages) -> Result<()> {
-        let Self { device, prepared, frame, uploaded, progress, .. } = self;
+        let Self { device, renderer, prepared, frame, uploaded, progress, .. } = self;
         let request = &prepared.request.choice;
         let subject = ChoiceFrame {
             arranged: prepared.assembled.arranged(),
@@ -273,8 +273,8 @@ impl Session {
         let choice = choice::choose(device, &mut uploaded.cloud, &subject, wish, request.recalibrate, progress)?;
         progress.set_message("rendering");
         choice.describe(messages);
-        self.frame.method = choice.method;
-        self.take_detail(choice.detail)?;
+        uploaded.allow_detail(renderer, &prepared.assembled, &choice.detail)?;
+        (self.frame.method, self.frame.detail) = (choice.method, choice.detail);
         self.why = "chosen by what was measured on this scene".to_owned();
         self.choice = Some(choice);
         Ok(())
@@ -297,16 +297,6 @@ impl Session {
         self.found = see_through::find(renderer, &mut uploaded.cloud, frame, share, largest)?;
         self.frame.factors.opacity = self.found.map_or(1.0, |found| found.factor);
         self.device.check_validation()?;
-        Ok(())
-    }
-
-    /// Has frames leave points out, or none.
-    ///
-    /// # Errors
-    /// Returns an error if memory is exhausted.
-    pub fn take_detail(&mut self, detail: Detail) -> Result<()> {
-        self.uploaded.allow_detail(&self.renderer, &self.prepared.assembled, &detail)?;
-        self.frame.detail = detail;
         Ok(())
     }
 
