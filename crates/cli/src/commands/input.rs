@@ -227,7 +227,7 @@ impl InputArgs {
 
     /// The preset that was asked for.
     pub fn preset(&self) -> Option<&Preset> {
-        self.preset.as_ref().and_then(Asked::preset)
+        if let Some(Asked::Of(preset)) = &self.preset { Some(preset) } else { None }
     }
 
     /// True if an option gives this key of clouds.

@@ -1,7 +1,7 @@
 //! `pellucid tradeoff`.
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -62,13 +62,6 @@ Interrupted runs: DIR/tradeoff.partial.json keeps the measurements. The same com
 
 Output: report.html (self-contained), tradeoff.csv, tradeoff.json; causes.csv for Gaussians; popping.csv for a path; the figures as .svg; \
 the pictures, and their differences from reference.png (10 times as bright), as .png.";
-
-/// Frames behind a median, and images with seeds of their own, if time permits: for the full run and for a quick look.
-const REPEATS: (usize, u32) = (10, 8);
-const QUICK_REPEATS: (usize, u32) = (3, 4);
-/// Default of --time: for frames of the full run, and for all of a quick look.
-const SECONDS: f64 = 360.0;
-const QUICK_SECONDS: f64 = 55.0;
 
 /// Refusal of clouds that stay in their files.
 pub(super) const IN_FILES: &str =
@@ -164,17 +157,6 @@ impl TradeoffArgs {
             _ => Ok(()),
         }
     }
-
-    /// The extent of a comparison by a command that began at this time.
-    fn options(&self, begin: Instant) -> Options {
-        let (ladders, (rounds, seeds)) =
-            if self.quick { (Ladders::QUICK, QUICK_REPEATS) } else { (Ladders::FULL, REPEATS) };
-        let seconds = self.time.unwrap_or(if self.quick { QUICK_SECONDS } else { SECONDS });
-        // A time beyond what a clock can hold is no limit.
-        let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
-        let end = end.filter(|_| self.quick);
-        Options { ladders, only: self.only.clone(), seconds, end, rounds, seeds, command: command() }
-    }
 }
 
 pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
@@ -223,7 +205,8 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let (arranged, scene) = (prepared.assembled.arranged(), prepared.request.name.as_str());
     let subject = MeasuredScene { arranged, frame, background, scene, cameras: &cameras };
     progress.counted("tradeoff", 1);
-    let report = tradeoff::run(&device, &subject, &args.options(begin), &args.output, &progress)?;
+    let options = Options::new(args.quick, begin, args.only.clone(), args.time, command());
+    let report = tradeoff::run(&device, &subject, &options, &args.output, &progress)?;
     progress.stage("writing the report");
     tradeoff::write(&args.output, &report)?;
     tradeoff::discard(&args.output)?;
