@@ -14,7 +14,8 @@ use super::bar::Bar;
 use super::console::Console;
 use super::films::Films;
 use super::frames::{Naming, Pattern};
-use super::limit::{refuse, usage};
+use super::limit::usage;
+use super::options::refuse;
 use super::render::RenderArgs;
 
 /// Pictures to render, and what becomes of them.

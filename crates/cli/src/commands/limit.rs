@@ -93,11 +93,6 @@ impl Slower {
     }
 }
 
-/// Refuses a command line by the first of some problems that applies.
-pub fn refuse<const N: usize>(problems: [(bool, impl Into<String>); N]) -> Result<()> {
-    problems.into_iter().find(|(applies, _)| *applies).map_or(Ok(()), |(_, problem)| Err(usage(problem)))
-}
-
 /// An error of the command line.
 pub fn usage(problem: impl Into<String>) -> pellucid_engine::Error {
     scene::Error::Usage(problem.into()).into()
