@@ -141,7 +141,7 @@ impl<'a> FrameBuilder<'a> {
         if session.update(request, watcher, &watcher.progress()).map_err(of_engine)? {
             session.warn(watcher);
         }
-        let (rendered, options) = session.picture(watcher).map_err(of_engine)?;
+        let (rendered, options) = session.picture(Vec::new(), watcher).map_err(of_engine)?;
         let mut profile = session.profile();
         profile.add(&rendered);
         Ok(Picture {

@@ -19,24 +19,16 @@ pub struct Cloud(pub Arc<Columns>);
 
 /// Columns given in addition to the points.
 #[derive(FromPyObject)]
+#[pyo3(from_item_all)]
 pub struct Given {
-    #[pyo3(item)]
     colors: Option<ColorRows>,
-    #[pyo3(item)]
     srgb: bool,
-    #[pyo3(item)]
     opacities: Option<ArrayCopy<f32>>,
-    #[pyo3(item)]
     radii: Option<ArrayCopy<f32>>,
-    #[pyo3(item)]
     normals: Option<FloatRows>,
-    #[pyo3(item)]
     classification: Option<ArrayCopy<u8>>,
-    #[pyo3(item)]
     intensity: Option<ArrayCopy<f32>>,
-    #[pyo3(item)]
     scalars: Vec<(String, ArrayCopy<f32>)>,
-    #[pyo3(item)]
     z_up: Option<bool>,
 }
 

@@ -149,7 +149,7 @@ fn distance(session: &Session) -> f64 {
 
 /// Renders the frame that the session is ready for.
 fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failure> {
-    let (rendered, options) = session.picture(talk)?;
+    let (rendered, options) = session.picture(Vec::new(), talk)?;
     let mut profile = session.profile();
     profile.add(&rendered);
     let picture = Picture {

@@ -1,13 +1,13 @@
 //! Measurements of a scene, each as the JSON of the command line.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use pellucid_engine::methods::{Frame, Stop};
 use pellucid_engine::profile::{self, Profile};
 use pellucid_io::output;
 use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options};
-use pellucid_session::candidates::{self, Formation, Ladders};
+use pellucid_session::candidates::{self, Formation};
 use pellucid_session::{Messages, Session};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -58,27 +58,13 @@ pub fn plan(session: &mut Session) -> Result<String, Failure> {
 
 /// Extent of a comparison.
 #[derive(FromPyObject)]
+#[pyo3(from_item_all)]
 pub struct TradeoffExtent {
-    #[pyo3(item)]
     quick: bool,
-    #[pyo3(item)]
     only: Vec<String>,
-    #[pyo3(item)]
     seconds: Option<f64>,
     /// Name of the function that was called, for the report.
-    #[pyo3(item)]
     command: String,
-}
-
-impl TradeoffExtent {
-    fn options(&self, begin: Instant) -> Options {
-        let (ladders, (rounds, seeds)) = if self.quick { (Ladders::QUICK, (3, 4)) } else { (Ladders::FULL, (10, 8)) };
-        let seconds = self.seconds.unwrap_or(if self.quick { 55.0 } else { 360.0 });
-        // A time beyond what a clock can hold is no limit.
-        let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
-        let end = end.filter(|_| self.quick);
-        Options { ladders, only: self.only.clone(), seconds, end, rounds, seeds, command: self.command.clone() }
-    }
 }
 
 /// Compares the methods that draw a scene.
@@ -124,7 +110,9 @@ pub fn tradeoff(
         cameras: &[],
     };
     output::check_report_folder(folder)?;
-    let report = tradeoff::run(&session.device, &subject, &extent.options(begin), folder, &talk.progress)?;
+    let TradeoffExtent { quick, only, seconds, command } = extent;
+    let options = Options::new(*quick, begin, only.clone(), *seconds, command.clone());
+    let report = tradeoff::run(&session.device, &subject, &options, folder, &talk.progress)?;
     talk.progress.set_message("writing the report");
     tradeoff::write(folder, &report)?;
     tradeoff::discard(folder)?;

@@ -23,27 +23,24 @@ pub struct Picture {
     pub camera: Camera,
     /// Distance from the eye to the point that the camera looks at.
     pub distance: f64,
+    #[pyo3(get)]
     pub method: &'static str,
+    #[pyo3(get)]
     pub reason: String,
+    #[pyo3(get)]
     pub stderr: Option<f64>,
 }
 
 /// Arrays of an image as Python keeps them: flat, row by row.
 #[derive(FromPyObject)]
+#[pyo3(from_item_all)]
 pub struct Arrays<'py> {
-    #[pyo3(item)]
     rgba: PyReadonlyArray1<'py, f32>,
-    #[pyo3(item)]
     depth: PyReadonlyArray1<'py, f32>,
-    #[pyo3(item)]
     median: Option<PyReadonlyArray1<'py, f32>>,
-    #[pyo3(item)]
     mean: Option<PyReadonlyArray1<'py, f32>>,
-    #[pyo3(item)]
     fragments: Option<PyReadonlyArray1<'py, u32>>,
-    #[pyo3(item)]
     layers: Option<PyReadonlyArray1<'py, u32>>,
-    #[pyo3(item)]
     stderr: Option<PyReadonlyArray1<'py, f32>>,
 }
 
@@ -81,21 +78,6 @@ impl Picture {
     #[getter]
     fn size(&self) -> (u32, u32) {
         self.size.into()
-    }
-
-    #[getter]
-    fn method(&self) -> &'static str {
-        self.method
-    }
-
-    #[getter]
-    fn reason(&self) -> &str {
-        &self.reason
-    }
-
-    #[getter]
-    fn stderr(&self) -> Option<f64> {
-        self.stderr
     }
 
     #[getter]

@@ -28,12 +28,10 @@ pub fn lay_over(document: &mut Document, drop: &[String], changes: &Changes) -> 
 
 /// Direction from which a scene is framed.
 #[derive(FromPyObject, Default)]
+#[pyo3(from_item_all)]
 pub struct Direction {
-    #[pyo3(item)]
     view: Option<String>,
-    #[pyo3(item)]
     azimuth: Option<f64>,
-    #[pyo3(item)]
     elevation: Option<f64>,
 }
 
@@ -57,37 +55,24 @@ impl Direction {
 
 /// Request for a frame.
 #[derive(FromPyObject, Clone)]
+#[pyo3(from_item_all)]
 pub struct Ask {
-    #[pyo3(item)]
     pub drop: Vec<String>,
-    #[pyo3(item)]
     pub changes: Changes,
     /// `false` if a camera was given in place of the view that frames the scene.
-    #[pyo3(item)]
     framed: bool,
-    #[pyo3(item)]
     fragments: bool,
-    #[pyo3(item)]
     depths: bool,
-    #[pyo3(item)]
     eight_bit: bool,
-    #[pyo3(item)]
     memory_budget: Option<u64>,
-    #[pyo3(item)]
     opacity_factor: f32,
-    #[pyo3(item)]
     radius_factor: f32,
-    #[pyo3(item)]
     seed: Option<u64>,
     /// Share of light that is to get through the median covered pixel, from 0 to 1.
-    #[pyo3(item)]
     pub see_through: Option<f64>,
-    #[pyo3(item)]
     max_error: Option<f64>,
-    #[pyo3(item)]
     budget_ms: Option<f64>,
     /// Host memory for points, in bytes; beyond it they stay in their files.
-    #[pyo3(item)]
     host_memory: Option<u64>,
 }
 

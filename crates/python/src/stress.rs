@@ -10,24 +10,16 @@ use crate::work;
 
 /// Differences from the whole sweep, or from the quick one.
 #[derive(FromPyObject)]
+#[pyo3(from_item_all)]
 pub struct SweepExtent {
-    #[pyo3(item)]
     quick: bool,
-    #[pyo3(item)]
     methods: Option<Vec<String>>,
-    #[pyo3(item)]
     sides: Option<Vec<u32>>,
-    #[pyo3(item)]
     layers: Option<Vec<u32>>,
-    #[pyo3(item)]
     frames: Option<u32>,
-    #[pyo3(item)]
     max_fragments: Option<u64>,
-    #[pyo3(item)]
     max_seconds: Option<f64>,
-    #[pyo3(item)]
     seed: u64,
-    #[pyo3(item)]
     command: String,
 }
 

@@ -12,7 +12,7 @@ use pellucid_scene::legend::Legend;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::stored::Stored;
 use pellucid_scene::tracked::{self, DerivedColumns, Tracked};
-use pellucid_scene::{self as scene, Lighting, Method, Recipe, Scene, ScreenSplats, ShadingModel};
+use pellucid_scene::{self as scene, Method, Recipe, Scene, ScreenSplats, ShadingModel};
 
 use crate::messages::Messages;
 use crate::sources::{Clouds, Sources};
@@ -304,11 +304,6 @@ impl Assembled {
             (Origin::Tracked(_), Clouds::Held(clouds)) => scene::shadow_texture(scene, clouds, seed).0,
             _ => None,
         }
-    }
-
-    /// Returns the lighting of the scene.
-    pub(crate) fn lighting(&self) -> Lighting {
-        Lighting::of(&self.scene)
     }
 
     /// Returns the form in which the points were wanted.

@@ -15,7 +15,7 @@ use pellucid_engine::plan;
 use pellucid_engine::profile::Profile;
 use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
-use pellucid_scene::{self as scene, Detail, Method, MethodChoice, Scene};
+use pellucid_scene::{self as scene, Method, MethodChoice, Scene};
 
 use crate::assembled::Assembled;
 use crate::choice::{self, Choice, ChoiceFrame, Wish};
@@ -44,6 +44,8 @@ pub struct Session {
     pub found: Option<OpacityFactor>,
     /// Opacity found for a larger scene that this one is a part of; then none is looked for.
     pub opacity_of_whole: Option<OpacityFactor>,
+    /// `true` for a part of a larger scene. Whatever doesn't come out as requested is said of the whole.
+    pub is_part: bool,
     /// Method chosen by error or time.
     pub choice: Option<Choice>,
     /// The points on the device.
@@ -105,6 +107,7 @@ impl Session {
             why: String::new(),
             found: None,
             opacity_of_whole: None,
+            is_part: false,
             choice: None,
             uploaded,
             decided: None,
@@ -259,7 +262,7 @@ impl Session {
 
     /// Chooses the method and its setting by the limits that they must keep to.
     fn choose(&mut self, wish: Wish, messages: &dyn Messages) -> Result<()> {
-        let Self { device, prepared, frame, uploaded, progress, .. } = self;
+        let Self { device, renderer, prepared, frame, uploaded, progress, .. } = self;
         let request = &prepared.request.choice;
         let subject = ChoiceFrame {
             arranged: prepared.assembled.arranged(),
@@ -270,8 +273,8 @@ impl Session {
         let choice = choice::choose(device, &mut uploaded.cloud, &subject, wish, request.recalibrate, progress)?;
         progress.set_message("rendering");
         choice.describe(messages);
-        self.frame.method = choice.method;
-        self.take_detail(choice.detail)?;
+        uploaded.allow_detail(renderer, &prepared.assembled, &choice.detail)?;
+        (self.frame.method, self.frame.detail) = (choice.method, choice.detail);
         self.why = "chosen by what was measured on this scene".to_owned();
         self.choice = Some(choice);
         Ok(())
@@ -294,16 +297,6 @@ impl Session {
         self.found = see_through::find(renderer, &mut uploaded.cloud, frame, share, largest)?;
         self.frame.factors.opacity = self.found.map_or(1.0, |found| found.factor);
         self.device.check_validation()?;
-        Ok(())
-    }
-
-    /// Has frames leave points out, or none.
-    ///
-    /// # Errors
-    /// Returns an error if memory is exhausted.
-    pub fn take_detail(&mut self, detail: Detail) -> Result<()> {
-        self.uploaded.allow_detail(&self.renderer, &self.prepared.assembled, &detail)?;
-        self.frame.detail = detail;
         Ok(())
     }
 
@@ -340,6 +333,9 @@ impl Session {
 
     /// Says which opacity was found, and warns of settings and clouds that don't come out as requested.
     pub fn warn(&self, messages: &dyn Messages) {
+        if self.is_part {
+            return;
+        }
         self.describe_opacity(messages);
         let once = self.told.to(messages);
         let warnings = notes::warnings(&self.prepared, &self.uploaded.cloud, &self.frame, &self.why);
@@ -365,6 +361,9 @@ impl Session {
     /// # Errors
     /// Returns an error if a trial frame can't be rendered.
     pub fn judge(&mut self, image: &Image, messages: &dyn Messages) -> Result<()> {
+        if self.is_part {
+            return Ok(());
+        }
         if let Some(empty) = notes::empty(image, self.prepared.points()) {
             messages.warn(&empty);
         } else if !std::mem::replace(&mut self.is_judged, true) {
@@ -375,14 +374,14 @@ impl Session {
     }
 
     /// Renders a picture, reports what is odd about it, and returns it as it is written, with the way in which that is
-    /// done.
+    /// done; `own` is added to the metadata.
     ///
     /// # Errors
     /// Returns the errors of [`Self::render`], [`Self::judge`] and [`Self::finish`].
-    pub fn picture(&mut self, messages: &dyn Messages) -> Result<(Rendered, WriteOptions)> {
+    pub fn picture(&mut self, own: Vec<(String, String)>, messages: &dyn Messages) -> Result<(Rendered, WriteOptions)> {
         let mut rendered = self.render()?;
         self.judge(&rendered.image, messages)?;
-        let options = self.finish(&mut rendered, Vec::new(), messages)?;
+        let options = self.finish(&mut rendered, own, messages)?;
         Ok((rendered, options))
     }
 

@@ -154,11 +154,6 @@ impl Sources {
         &self.clouds
     }
 
-    /// Returns the clouds alone.
-    pub fn into_clouds(self) -> Clouds {
-        self.clouds
-    }
-
     /// Keeps only the first clouds.
     pub fn truncate(&mut self, count: usize) {
         match &mut self.clouds {
@@ -260,18 +255,17 @@ fn are_in_parts(scene: &Scene) -> Result<bool> {
 
 /// Reports the size of a cloud in its file, and anything odd about it.
 pub fn describe_store(summary: &Summary, messages: &dyn Messages) {
-    messages.detail(&format_args!("{}: {} points", summary.path.display(), summary.points));
-    warn_of_cloud(&summary.path, &summary.like, messages);
+    describe(&summary.path, summary.points, &summary.like, messages);
 }
 
 /// Reports the size of a cloud that was read, and anything odd about it.
 pub fn describe_cloud(path: &Path, cloud: &Cloud, messages: &dyn Messages) {
-    messages.detail(&format_args!("{}: {} points", path.display(), cloud.len()));
-    warn_of_cloud(path, cloud, messages);
+    describe(path, cloud.len() as u64, cloud, messages);
 }
 
-fn warn_of_cloud(path: &Path, cloud: &Cloud, messages: &dyn Messages) {
+fn describe(path: &Path, points: u64, cloud: &Cloud, messages: &dyn Messages) {
     let path = path.display();
+    messages.detail(&format_args!("{path}: {points} points"));
     if cloud.non_finite > 0 {
         messages.warn(&format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }

@@ -30,7 +30,7 @@ impl Uploaded {
         let by_windows = by_windows || !detail.is_whole();
         let shadows = assembled.shadow_texture.as_ref();
         let cloud = renderer.upload(Upload { by_windows, shadows, ..assembled.arranged().into() })?;
-        Ok(Self { cloud, pending: Changes::default(), lighting: Some(assembled.lighting()) })
+        Ok(Self { cloud, pending: Changes::default(), lighting: Some(Lighting::of(&assembled.scene)) })
     }
 
     /// Has the points come some at a time, if a detail is to leave some out.

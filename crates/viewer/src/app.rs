@@ -14,7 +14,7 @@ use winit::keyboard::{Key, NamedKey};
 use winit::window::{Fullscreen, Window, WindowId};
 
 use super::graphics::{Graphics, Opening, Wake};
-use super::loss::{self, Losses, Lost};
+use super::loss::{self, Losses};
 use super::messages::{News, Setup, Task};
 use super::model::Model;
 use super::sources::Opened;
@@ -22,7 +22,7 @@ use super::status_log::StatusLog;
 use super::visibility::Visibility;
 use super::worker::Workload;
 use super::{Options, ui};
-use crate::Result;
+use crate::{Error, Result};
 use pellucid_gpu::ValidationLog;
 use pellucid_window::{Drawing, Picture, Shown, Textures};
 
@@ -226,7 +226,7 @@ impl Running {
     /// Opens the lost device again and continues with everything the window workload.
     ///
     /// # Errors
-    /// [`Lost`] if reopening doesn't help.
+    /// The reason for the loss if reopening doesn't help.
     fn begin_anew(&mut self, opening: &Opening, during: &str, logs: &mut Vec<ValidationLog>) -> Result<()> {
         let Some(graphics) = self.graphics.take() else { return Ok(()) };
         let (device, during) = (graphics.device.info().name.clone(), during.to_owned());
@@ -234,10 +234,10 @@ impl Running {
         // The new device takes over the window, so the old one must have released it.
         let Some((workload, news, textures)) = graphics.end() else {
             let why = "the renderer panicked".to_owned();
-            return Err(Lost::Gone { device, during, why }.into());
+            return Err(Error::NotReopened { device, during, why });
         };
         if !self.losses.allow(Instant::now(), self.shown) {
-            return Err(Lost::Again { device, during }.into());
+            return Err(Error::LostAgain { device, during });
         }
         // News that arrived before the loss is still worth reporting.
         self.model.message = None;
@@ -247,7 +247,7 @@ impl Running {
         let opened = Graphics::open(opening, &self.window, workload, textures, logs);
         let graphics = match opened {
             Ok(graphics) => graphics,
-            Err(error) => return Err(Lost::Gone { device, during, why: error.to_string() }.into()),
+            Err(error) => return Err(Error::NotReopened { device, during, why: error.to_string() }),
         };
         let name = &graphics.device.info().name;
         let what = if *name == device { "opened again".to_owned() } else { format!("{name} was opened instead") };

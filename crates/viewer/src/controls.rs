@@ -163,18 +163,15 @@ pub fn find(keys: Vec<Key>, name: &str) -> Option<Key> {
 fn density(method: &Method, soft: &Soft, key: &Key, extent: ControlExtent) -> KeyControl {
     let radius = if extent.median_radius > 0.0 { extent.median_radius } else { (0.003 * extent.diagonal) as f32 };
     let model = SoftModel::new(method, soft, radius);
-    let about = key.about;
+    let rival = |control, value, on| {
+        let (value, presence) = (Setting::Number(value), Presence::Rival { on });
+        KeyControl { control, value, presence, about: key.about }
+    };
     if key.name == "softness" {
         let on = matches!(soft.density, Density::Softness(_));
         let value = if on { rounded(model.peak) } else { thousandths(model.peak.into()) };
-        return KeyControl {
-            control: Control::Slider(0.0, 1.0),
-            value: Setting::Number(value),
-            presence: Presence::Rival { on },
-            about,
-        };
+        return rival(Control::Slider(0.0, 1.0), value, on);
     }
-    let on = matches!(soft.density, Density::Lambda(_));
     let most = match method {
         Method::SoftExpress(_) => 1.0,
         // A sphere of median radius that lets 10⁻⁴ of the light through.
@@ -183,16 +180,11 @@ fn density(method: &Method, soft: &Soft, key: &Key, extent: ControlExtent) -> Ke
             significant(SoftModel::new(method, &dense, radius).lambda.into())
         }
     };
-    let value = match soft.density {
-        Density::Lambda(lambda) => rounded(lambda),
-        Density::Softness(_) => significant(model.lambda.into()),
+    let (on, value) = match soft.density {
+        Density::Lambda(lambda) => (true, rounded(lambda)),
+        Density::Softness(_) => (false, significant(model.lambda.into())),
     };
-    KeyControl {
-        control: Control::Powers(0.0, most),
-        value: Setting::Number(value),
-        presence: Presence::Rival { on },
-        about,
-    }
+    rival(Control::Powers(0.0, most), value, on)
 }
 
 /// A number to three decimals.

@@ -1,7 +1,5 @@
 //! Errors that keep the window from showing a picture.
 
-use super::{Lost, NoDisplay};
-
 /// All errors of the window.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -10,11 +8,38 @@ pub enum Error {
     #[error(transparent)]
     Engine(#[from] pellucid_engine::Error),
     /// No display to open a window on.
-    #[error(transparent)]
-    NoDisplay(#[from] NoDisplay),
-    /// The window had to be closed.
-    #[error(transparent)]
-    Lost(#[from] Lost),
+    #[error("can't open a window: {0}; `pellucid render` writes a picture without one")]
+    NoDisplay(String),
+    /// The device was lost again soon after it was opened again.
+    #[error(
+        "{device} was lost again, during {during}: its driver stopped or restarted, often because a dispatch took too long; \
+         try a smaller --size or --memory-budget, which make dispatches shorter, or another --device; `pellucid render` writes a picture without a window"
+    )]
+    LostAgain {
+        /// The device's name.
+        device: String,
+        /// The operation that was running.
+        during: String,
+    },
+    /// The device could not be opened again.
+    #[error(
+        "{device} was lost during {during} and can't be opened again: {why}; `pellucid devices` lists all devices, --device \
+         selects another one, and `pellucid render` writes a picture without a window"
+    )]
+    NotReopened {
+        /// The device's name.
+        device: String,
+        /// The operation that was running.
+        during: String,
+        /// Reason why the device could not be opened.
+        why: String,
+    },
+    /// The renderer has a defect.
+    #[error("the renderer panicked, which is a bug in this program (its message is above); saved files are intact")]
+    Panicked,
+    /// The server of the window has ended the connection.
+    #[error("the display server closed the window ({0}); saved files are intact")]
+    DisplayEnded(String),
 }
 
 /// A result with the window's [`enum@Error`].
@@ -25,7 +50,7 @@ impl Error {
     pub fn engine(&self) -> Option<&pellucid_engine::Error> {
         match self {
             Self::Engine(error) => Some(error),
-            Self::NoDisplay(_) | Self::Lost(_) => None,
+            _ => None,
         }
     }
 }

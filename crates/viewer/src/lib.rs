@@ -46,7 +46,6 @@ mod visibility;
 mod worker;
 
 pub use error::{Error, Result};
-pub use loss::Lost;
 pub use sources::Opened;
 use std::path::PathBuf;
 
@@ -78,15 +77,8 @@ pub struct Options {
     pub path: Option<(PathBuf, CameraSource)>,
 }
 
-/// Reason why there is no window.
-#[derive(Debug, thiserror::Error)]
-#[error("can't open a window: {reason}; `pellucid render` writes a picture without one")]
-pub struct NoDisplay {
-    reason: String,
-}
-
 fn no_display(reason: impl std::fmt::Display) -> Error {
-    NoDisplay { reason: plain(&reason.to_string()) }.into()
+    Error::NoDisplay(plain(&reason.to_string()))
 }
 
 /// A reason without the place in the window library's source that it begins with, and without a full stop.
@@ -102,7 +94,7 @@ impl Display {
     /// Connects, which is only possible on the main thread.
     ///
     /// # Errors
-    /// [`NoDisplay`] if there is none, or if a library that it needs is missing.
+    /// [`Error::NoDisplay`] if there is none, or if a library that it needs is missing.
     pub fn connect() -> Result<Self> {
         // The window library panics where a library of the system is missing.
         let hook = std::panic::take_hook();
@@ -122,13 +114,13 @@ impl Display {
     /// Shows a scene in a window until it is closed. `say` receives messages, line by line.
     ///
     /// # Errors
-    /// No device that can present to the window, one that is [`Lost`] repeatedly, a display that ends, validation
+    /// No device that can present to the window, one that is lost repeatedly, a display that ends, validation
     /// messages. Later errors of the scene or of a setting are shown in the window.
     pub fn show(self, options: Options, say: Box<dyn Fn(&str)>) -> Result<()> {
         let mut app = app::App::new(options, self.0.create_proxy(), say);
         let ran = self.0.run_app(&mut app);
         app.finish()?;
-        ran.map_err(|error| Lost::Display(plain(&error.to_string())).into())
+        ran.map_err(|error| Error::DisplayEnded(plain(&error.to_string())))
     }
 }
 

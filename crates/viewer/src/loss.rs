@@ -8,41 +8,6 @@ use pellucid_gpu as gpu;
 /// A device that lasts for no longer than this is not opened another time.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Reasons why the window was closed.
-#[derive(Debug, thiserror::Error)]
-pub enum Lost {
-    /// Opening it again was no help.
-    #[error(
-        "{device} was lost again, during {during}: its driver stopped or restarted, often because a dispatch took too long; \
-         try a smaller --size or --memory-budget, which make dispatches shorter, or another --device; `pellucid render` writes a picture without a window"
-    )]
-    Again {
-        /// The device's name.
-        device: String,
-        /// The operation that was running.
-        during: String,
-    },
-    /// The device could not be opened again.
-    #[error(
-        "{device} was lost during {during} and can't be opened again: {why}; `pellucid devices` lists all devices, --device \
-         selects another one, and `pellucid render` writes a picture without a window"
-    )]
-    Gone {
-        /// The device's name.
-        device: String,
-        /// The operation that was running.
-        during: String,
-        /// Reason why the device could not be opened.
-        why: String,
-    },
-    /// The renderer has a defect.
-    #[error("the renderer panicked, which is a bug in this program (its message is above); saved files are intact")]
-    Panicked,
-    /// The server of the window has ended the connection.
-    #[error("the display server closed the window ({0}); saved files are intact")]
-    Display(String),
-}
-
 /// The operation during which the device was lost, if the error says that it was.
 pub fn during(error: &Error) -> Option<&str> {
     match error {

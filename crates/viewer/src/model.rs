@@ -11,7 +11,6 @@ use pellucid_core::progress::Progress;
 
 use super::counts::abbreviated;
 use super::dialog::Dialog;
-use super::loss::Lost;
 use super::messages::{News, Task, WindowPicture};
 use super::navigate::{self, Navigator, Pose};
 use super::route::Route;
@@ -251,6 +250,16 @@ impl Model {
         self.navigator.map_or(self.flatten, |navigator| navigator.is_orthographic())
     }
 
+    /// Shows a message.
+    fn show_note(&mut self, text: impl Into<String>) {
+        self.message = Some((text.into(), false));
+    }
+
+    /// Shows an error.
+    fn show_error(&mut self, text: impl Into<String>) {
+        self.message = Some((text.into(), true));
+    }
+
     /// Marks the picture as stale.
     fn touch(&mut self) {
         self.picture_state = PictureState::Stale;
@@ -342,9 +351,9 @@ impl Model {
         match self.point_at(pixel) {
             Some(point) => {
                 self.navigate(|navigator| navigator.set_pivot(point));
-                self.message = Some((format!("turns about {:.3}, {:.3}, {:.3}", point.x, point.y, point.z), false));
+                self.show_note(format!("turns about {:.3}, {:.3}, {:.3}", point.x, point.y, point.z));
             }
-            None => self.message = Some(("no point to turn about".to_owned(), false)),
+            None => self.show_note("no point to turn about"),
         }
     }
 
@@ -373,7 +382,7 @@ impl Model {
                     self.picture_state = PictureState::Current;
                     self.failed = Some(message.clone());
                 }
-                self.message = Some((message, true));
+                self.show_error(message);
             }
             News::Stopped(serial) if self.is_asked(serial) => self.picture_state = PictureState::Stale,
             News::Stopped(serial) => self.measured = self.measured.filter(|measured| *measured != serial),
@@ -383,7 +392,7 @@ impl Model {
                 }
             }
             News::Lost(error) => return Err(error.into()),
-            News::Gone => return Err(Lost::Panicked.into()),
+            News::Gone => return Err(Error::Panicked),
         }
         Ok(())
     }
@@ -396,7 +405,7 @@ impl Model {
             self.pending = self.tasks.iter().map(|task| matches!(task, Task::Open(_))).collect();
         }
         self.busy = busy || !self.tasks.is_empty();
-        self.message = Some((why, true));
+        self.show_error(why);
     }
 
     /// Replaces the scene.
@@ -411,7 +420,7 @@ impl Model {
         route.invalidate();
         let new = Self::new(name, document, View::default(), self.budget_ms)?;
         *self = Self { shows, viewport, serial, saved, route, progress, busy, pending, tasks, ..new };
-        self.message = Some((format!("{}: opened", self.name), false));
+        self.show_note(format!("{}: opened", self.name));
         Ok(())
     }
 

@@ -91,20 +91,21 @@ impl Along {
 
     /// Reads the clouds of a request, and finds the camera of each frame; there is at least one, and the first is that
     /// of the request.
-    pub fn prepare(&self, request: Request, console: Console, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
+    pub fn prepare(&self, request: Request, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
         let mut cameras = Vec::new();
         let find = |scene: &Scene, points: &Points, up: UpAxis| {
             let (found, warnings) = self.cameras(scene, points, up)?;
             cameras = found;
             Ok((cameras[0], warnings))
         };
-        let prepared = Opened::new(request, &console, progress)?.prepare_by(find, &console, progress)?;
+        let prepared = Opened::new(request, progress, progress)?.prepare_by(find, progress, progress)?;
         let settings = &prepared.scene().camera;
         let given = settings.eye.filter(|_| matches!(self, Self::Turn { .. }) && !settings.view.is_given());
         if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
             && eye != first
         {
-            console.detail(format_args!("the turn begins at {first:?}, since from {eye:?} it would lose points"));
+            let why = format_args!("the turn begins at {first:?}, since from {eye:?} it would lose points");
+            progress.console.detail(why);
         }
         Ok((prepared, cameras))
     }

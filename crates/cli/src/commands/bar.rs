@@ -1,10 +1,14 @@
 //! The progress bar on standard error.
 
+use std::fmt::Display;
 use std::ops::Deref;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use pellucid_core::progress::{Observer, Progress};
+use pellucid_session::Messages;
+
+use super::console::Console;
 
 /// Work that is done within this time shows no progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -12,8 +16,9 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Interval at which a stage of unknown length signals that it is alive.
 const TICK: Duration = Duration::from_millis(200);
 
-/// A progress bar, and the progress that it shows.
+/// A progress bar, the progress that it shows, and the console for everything else.
 pub struct Bar {
+    pub console: Console,
     shown: ProgressBar,
     progress: Progress,
 }
@@ -46,9 +51,24 @@ impl Deref for Bar {
     }
 }
 
+/// Messages are printed without disturbing the bar.
+impl Messages for Bar {
+    fn warn(&self, warning: &dyn Display) {
+        self.suspend(|| self.console.warn(warning));
+    }
+
+    fn note(&self, note: &dyn Display) {
+        self.suspend(|| self.console.note(note));
+    }
+
+    fn detail(&self, detail: &dyn Display) {
+        self.suspend(|| self.console.detail(detail));
+    }
+}
+
 impl Bar {
     /// A bar that appears once the work has lasted a second, if it may appear at all.
-    pub fn new(visible: bool) -> Self {
+    pub fn new(console: Console, visible: bool) -> Self {
         let shown = ProgressBar::hidden();
         if visible {
             if let Ok(style) = counted_style() {
@@ -64,7 +84,7 @@ impl Bar {
                 }
             });
         }
-        Self { progress: Progress::observed(BarObserver(shown.clone())), shown }
+        Self { console, progress: Progress::observed(BarObserver(shown.clone())), shown }
     }
 
     /// Begins a stage of unknown length: the bar shows its name and the elapsed time.

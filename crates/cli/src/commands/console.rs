@@ -141,7 +141,7 @@ impl Console {
 
     /// A progress bar: on a terminal only, and only once the work has lasted a second.
     pub fn progress(self) -> Bar {
-        Bar::new(!self.quiet && self.streams.is_process() && io::stderr().is_terminal())
+        Bar::new(self, !self.quiet && self.streams.is_process() && io::stderr().is_terminal())
     }
 }
 

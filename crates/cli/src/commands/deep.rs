@@ -15,7 +15,6 @@ use pellucid_scene::MethodChoice;
 use pellucid_session::{Prepared, Session, Uploaded};
 
 use super::bar::Bar;
-use super::console::Console;
 use super::headings::OUTPUT;
 use super::options::{DeviceArgs, one_of};
 
@@ -62,14 +61,7 @@ impl DeepArgs {
 }
 
 /// Writes the samples of a scene.
-pub fn run(
-    format: DeepFormat,
-    device: &DeviceArgs,
-    prepared: Prepared,
-    output: &Path,
-    progress: &Bar,
-    console: Console,
-) -> Result<()> {
+pub fn run(format: DeepFormat, device: &DeviceArgs, prepared: Prepared, output: &Path, progress: &Bar) -> Result<()> {
     let state = format.state;
     deep::check(&prepared.frame(), prepared.points().splats().is_some(), state)?;
     let mut session = Session::upload(&device.open(progress)?, prepared, false, progress)?;
@@ -78,15 +70,15 @@ pub fn run(
         MethodChoice::Auto(_) => "--deep needs lists of fragments".to_owned(),
         method => plan::resolve(method, session.points()).1,
     };
-    session.describe(&console);
-    session.warn(&console);
+    session.describe(progress);
+    session.warn(progress);
     let layout = layout(format, &session);
     progress.stage("counting");
     let Session { renderer, uploaded: Uploaded { cloud, .. }, frame, device, .. } = &mut session;
     let most = renderer.most_samples(cloud, frame, state)?;
     device.check_validation()?;
     let bytes = layout.most_bytes(most).map_err(|source| unwritten(output, source))?;
-    console.note(format_args!(
+    progress.console.note(format_args!(
         "{}: at most {most} samples, {} (of {} bytes each) before compression",
         output.display(),
         ByteSize(bytes),
@@ -96,8 +88,8 @@ pub fn run(
     progress.stage("rendering");
     let written = write(output, &layout, (renderer, cloud, frame, device))?;
     progress.finish_and_clear();
-    session.describe_detail(&console);
-    console.detail(format_args!(
+    session.describe_detail(progress);
+    progress.console.detail(format_args!(
         "{}: written, {} samples, at most {} in a pixel, {}",
         output.display(),
         written.samples,

@@ -4,17 +4,18 @@ use std::path::PathBuf;
 
 use bytesize::ByteSize;
 use clap::Args;
-use pellucid_core::progress::{Phase, Progress};
+use pellucid_core::progress::Phase;
 use pellucid_engine::Result;
 use pellucid_engine::methods::see_through;
 use pellucid_io::{LEAST_MEMORY, memory_for_points};
 use pellucid_scene::{self as scene, DEFAULT_SCENE, Family, Named, Overrides, ViewName};
 use pellucid_session::{Limits, Request, Residence, SeeThrough, SeeThroughBy};
 
-use super::console::Console;
+use super::bar::Bar;
 use super::filters;
 use super::headings::{APPEARANCE, DEVICE, METHOD, POINTS};
 use super::limit::usage;
+use super::options::number;
 use super::presets::{self, Asked, Preset};
 use super::view_args::ViewArgs;
 
@@ -61,7 +62,7 @@ pub struct InputArgs {
     ///
     /// With the opacity found, half of the covered pixels let at least this share of the light behind them through. The
     /// program prints it. If clouds have opacities of their own, one factor multiplies all of them.
-    #[arg(long, value_name = "T", value_parser = share, conflicts_with = "opacity", help_heading = APPEARANCE)]
+    #[arg(long, value_name = "T", value_parser = number(|x| (0.0..=1.0).contains(x), "expected a share from 0 to 1"), conflicts_with = "opacity", help_heading = APPEARANCE)]
     pub see_through: Option<f64>,
     /// Radius of every point in world units.
     ///
@@ -166,10 +167,6 @@ fn set_help() -> String {
     )
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| (0.0..=1.0).contains(x)).ok_or_else(|| "expected a share from 0 to 1".into())
-}
-
 impl InputArgs {
     /// The file or pattern that pictures of these inputs are written to if no other is named: after the first input,
     /// here.
@@ -230,7 +227,7 @@ impl InputArgs {
 
     /// The preset that was asked for.
     pub fn preset(&self) -> Option<&Preset> {
-        self.preset.as_ref().and_then(Asked::preset)
+        if let Some(Asked::Of(preset)) = &self.preset { Some(preset) } else { None }
     }
 
     /// True if an option gives this key of clouds.
@@ -247,20 +244,20 @@ impl InputArgs {
     }
 
     /// Returns the request for frames of these inputs; see [`Self::named`].
-    pub fn request(&self, size: Option<[u32; 2]>, progress: &Progress, console: Console) -> Result<Request> {
-        Ok(self.named(size, progress, console)?.1)
+    pub fn request(&self, size: Option<[u32; 2]>, progress: &Bar) -> Result<Request> {
+        Ok(self.named(size, progress)?.1)
     }
 
     /// Returns the scene of these inputs, and the request for frames of it; `size` counts where `--size` is not given.
     /// Begins the phase of reading.
-    pub fn named(&self, size: Option<[u32; 2]>, progress: &Progress, console: Console) -> Result<(Named, Request)> {
+    pub fn named(&self, size: Option<[u32; 2]>, progress: &Bar) -> Result<(Named, Request)> {
         let overrides = self.overrides(size)?;
         let limits = Limits { memory: host_memory(self.host_memory)?, residence: self.residence };
         let (see_through, mut view) = (self.share(), self.view.view());
         progress.begin(Phase::Read);
         let named = scene::name(&self.inputs, &overrides, self.seed)?;
         let mut request = Request::new(&named, limits, self.seed)?;
-        self.preset().iter().for_each(|preset| console.note(preset.note()));
+        self.preset().iter().for_each(|preset| progress.console.note(preset.note()));
         if let (Some(share), Some(reason)) = (self.see_through, see_through::refusal(request.scene.method)) {
             return Err(usage(format!("--see-through {share}: {reason} (--help lists them)")));
         }

@@ -12,11 +12,10 @@ use super::Error;
 use super::along::Along;
 use super::bar::Bar;
 use super::console::Console;
-use super::deep::DeepFormat;
-use super::films::{Asked, Films};
+use super::films::Films;
 use super::frames::{Naming, Pattern};
 use super::limit::usage;
-use super::options::{DeviceArgs, MeasureArgs};
+use super::options::refuse;
 use super::render::RenderArgs;
 
 /// Pictures to render, and what becomes of them.
@@ -27,18 +26,7 @@ pub struct RenderJob {
     pub along: Option<Along>,
     /// Request for one picture, or for one after another.
     pub request: Request,
-    pub device: DeviceArgs,
-    pub measure: MeasureArgs,
-    /// True if a PNG has straight alpha in place of the background.
-    pub transparent: bool,
-    /// True if an EXR has more channels.
-    pub aov: bool,
-    /// Form of samples in place of pixels.
-    pub deep: Option<DeepFormat>,
-    /// File for the change of the error from frame to frame.
-    pub popping: Option<PathBuf>,
-    /// True if frames of another sequence may be replaced.
-    pub overwrite: bool,
+    pub args: RenderArgs,
 }
 
 impl RenderJob {
@@ -46,9 +34,10 @@ impl RenderJob {
     ///
     /// # Errors
     /// Returns an error if a file can't be read, or if a key is wrong.
-    pub fn new(args: RenderArgs, target: Target, progress: &Bar, console: Console) -> Result<Self> {
+    pub fn new(args: RenderArgs, target: Target, progress: &Bar) -> Result<Self> {
+        let console = progress.console;
         let along = args.along.course(args.frames.flatten(), &args.input, console)?;
-        let mut request = args.input.request(along.as_ref().and_then(Along::size), progress, console)?;
+        let mut request = args.input.request(along.as_ref().and_then(Along::size), progress)?;
         let is_png = is_png(&target.first());
         let wish = Wish { max_error: args.choice.max_error, budget_ms: args.choice.budget };
         if args.choice.recalibrate && !wish.is_any() {
@@ -57,9 +46,8 @@ impl RenderJob {
         (request.choice.wish, request.choice.recalibrate) = (wish, args.choice.recalibrate);
         request.wanted.legend = args.legend && is_png;
         request.frame.memory_budget = args.device.budget();
-        let deep = args.deep.format();
         // Samples of a deep image are all of them, and count themselves.
-        if deep.is_none() {
+        if args.deep.format().is_none() {
             request.frame = FrameRequest {
                 counts: args.aov || args.measure.profile.is_some(),
                 depths: args.aov && !is_png,
@@ -67,8 +55,7 @@ impl RenderJob {
                 ..request.frame
             };
         }
-        let RenderArgs { device, measure, transparent, aov, popping, overwrite, .. } = args;
-        Ok(Self { target, along, request, device, measure, transparent, aov, deep, popping, overwrite })
+        Ok(Self { target, along, request, args })
     }
 }
 
@@ -84,28 +71,22 @@ pub enum Target {
 impl Target {
     /// Checks that the options fit together and that the first picture could be written in the end.
     pub fn new(args: &RenderArgs) -> Result<Self> {
-        let refuse = |problem: String| Err(usage(problem));
         let given = args.output.clone();
         if args.along.option().is_none() {
             args.films.refuse(given.as_deref())?;
         }
         let target = match (args.along.option(), args.frames) {
             (Some(option), Some(None)) => {
-                return refuse(format!("--frames needs the number of frames beside {option}, as in --frames 36"));
+                return Err(usage(format!("--frames needs the number of frames beside {option}, as in --frames 36")));
             }
             (Some(option), _) if args.choice.is_given() => {
-                return refuse(format!(
+                return Err(usage(format!(
                     "--max-error, --budget and --recalibrate choose for one picture, but {option} makes many; choose for one of \
                      them and give its --method and settings"
-                ));
+                )));
             }
             (Some(_), _) => {
-                let films = args.films.films(&Asked {
-                    output: args.output.as_deref(),
-                    transparent: args.transparent,
-                    aov: args.aov,
-                    deep: args.deep.format().is_some(),
-                })?;
+                let films = args.films.films(args)?;
                 let pattern = match films.pattern()? {
                     Some(pattern) => pattern,
                     None => Pattern::parse(
@@ -116,12 +97,12 @@ impl Target {
                 Self::Frames(pattern, films)
             }
             (None, Some(Some(count))) => {
-                return refuse(format!(
+                return Err(usage(format!(
                     "--frames {count} needs --path or --turntable; the time series has as many pictures as the scene has clouds"
-                ));
+                )));
             }
-            (None, _) if args.popping.is_some() => return refuse("--popping needs --path or --turntable".to_owned()),
-            (None, _) if args.overwrite => return refuse("--overwrite needs --path or --turntable".to_owned()),
+            (None, _) if args.popping.is_some() => return Err(usage("--popping needs --path or --turntable")),
+            (None, _) if args.overwrite => return Err(usage("--overwrite needs --path or --turntable")),
             (None, Some(None)) => {
                 let pattern = given.unwrap_or_else(|| args.input.default_output("_%02d.png"));
                 Self::Steps(Pattern::parse(&pattern, Naming::Steps)?)
@@ -170,15 +151,14 @@ impl Target {
             let output = output.display();
             return Err(usage(format!("--deep: {output} is a PNG, but only an .exr holds samples; name one with -o")));
         }
-        let problems = [
+        refuse([
             (!matches!(self, Self::One(_)), "--deep writes one picture; --frames, --path and --turntable make several"),
             (
                 args.choice.is_given(),
                 "--deep can't be combined with --max-error, --budget and --recalibrate; give --method and its settings instead",
             ),
             (args.measure.is_asked(), "--deep can't be combined with --profile and --trace; measure without --deep"),
-        ];
-        problems.into_iter().find(|(applies, _)| *applies).map_or(Ok(()), |(_, problem)| Err(usage(problem)))
+        ])
     }
 
     /// The first picture.

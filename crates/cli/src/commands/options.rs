@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use super::bar::Bar;
 use super::headings;
+use super::limit::usage;
 
 /// The device and what it may use.
 #[derive(Debug, Args)]
@@ -84,6 +85,16 @@ impl MeasureArgs {
 /// Writes a value as JSON, all or nothing.
 pub fn write_json(path: &Path, value: &Value) -> Result<()> {
     Ok(output::write_atomically(path, |file| writeln!(file, "{value:#}"))?)
+}
+
+/// Refuses a command line by the first of some problems that applies.
+pub fn refuse<const N: usize>(problems: [(bool, impl Into<String>); N]) -> Result<()> {
+    problems.into_iter().find(|(applies, _)| *applies).map_or(Ok(()), |(_, problem)| Err(usage(problem)))
+}
+
+/// Parses a number that fits; `expected` is the error for everything else.
+pub fn number(fits: fn(&f64) -> bool, expected: &'static str) -> impl TypedValueParser<Value = f64> {
+    move |text: &str| text.parse().ok().filter(fits).ok_or(expected)
 }
 
 /// Parses one of some words as the value that it stands for.

@@ -6,10 +6,9 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::Rendered;
 use pellucid_engine::profile::Profile;
 use pellucid_io::output::{self, WriteOptions};
-use pellucid_session::{Clouds, Opened, Prepared, Session, Silent};
+use pellucid_session::{Clouds, Messages, Opened, Prepared, Session, Silent};
 
 use super::bar::Bar;
-use super::console::Console;
 use super::deep;
 use super::frames::Pattern;
 use super::job::RenderJob;
@@ -18,34 +17,34 @@ use super::tradeoff::IN_FILES;
 use crate::legend;
 
 /// Renders a picture, and returns its profile; a deep one has none.
-pub fn one(job: &RenderJob, output: &Path, progress: &Bar, console: Console) -> Result<Option<Profile>> {
-    let prepared = Prepared::new(job.request.clone(), &console, progress)?;
-    if let Some(format) = job.deep {
-        deep::run(format, &job.device, prepared, output, progress, console)?;
+pub fn one(job: &RenderJob, output: &Path, progress: &Bar) -> Result<Option<Profile>> {
+    let prepared = Prepared::new(job.request.clone(), progress, progress)?;
+    if let Some(format) = job.args.deep.format() {
+        deep::run(format, &job.args.device, prepared, output, progress)?;
         return Ok(None);
     }
-    legend::check(&prepared, &console)?;
-    let session = Session::open(&job.device.open(progress)?, prepared, &console, progress)?;
+    legend::check(&prepared, progress)?;
+    let session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
     let mut profile = session.profile();
-    picture(job, session, output, None, &mut profile, progress, console)?;
+    picture(job, session, output, None, &mut profile, progress)?;
     Ok(Some(profile))
 }
 
 /// A picture of the first cloud, of the first two and so on, by the camera that shows all of them. Returns the profile
 /// of all.
-pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar, console: Console) -> Result<Profile> {
-    let opened = Opened::new(job.request.clone(), &console, progress)?;
+pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar) -> Result<Profile> {
+    let opened = Opened::new(job.request.clone(), progress, progress)?;
     if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
         return Err(usage(IN_FILES));
     }
     let count = opened.sources.clouds().len();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
-    let mut whole = opened.clone().prepare(&console, progress)?;
-    legend::check(&whole, &console)?;
+    let mut whole = opened.clone().prepare(progress, progress)?;
+    legend::check(&whole, progress)?;
     let (mut compilations, mut found) = (Vec::new(), None);
     if whole.see_through().is_some() {
         // As with the camera, clouds that are there already stay as they are when one joins.
-        let mut session = Session::upload(&job.device.open(progress)?, whole, false, progress)?;
+        let mut session = Session::upload(&job.args.device.open(progress)?, whole, false, progress)?;
         session.find_opacity()?;
         (found, compilations) = (session.found, session.device.compilations());
         whole = session.prepared;
@@ -56,7 +55,7 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar, console: Consol
     progress.finish_and_clear();
     let (mut whole, mut profile) = (Some(whole), None);
     for step in 1..=count {
-        let progress = console.progress();
+        let progress = progress.console.progress();
         let prepared = match whole.take_if(|_| step == count) {
             Some(whole) => whole,
             None => {
@@ -65,11 +64,11 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar, console: Consol
                 opened.first(step).prepare_by(|_, _, _| Ok((camera, Vec::new())), &Silent, &progress)?
             }
         };
-        let mut session = Session::upload(&job.device.open(&progress)?, prepared, false, &progress)?;
-        session.opacity_of_whole = found;
-        session.decide(&console)?;
+        let mut session = Session::upload(&job.args.device.open(&progress)?, prepared, false, &progress)?;
+        (session.is_part, session.opacity_of_whole) = (step < count, found);
+        session.decide(&progress)?;
         let profile = profile.get_or_insert_with(|| session.profile());
-        picture(job, session, &pattern.file(step), Some((step, count)), profile, &progress, console)?;
+        picture(job, session, &pattern.file(step), Some((step, count)), profile, &progress)?;
     }
     let mut profile = profile.ok_or_else(|| usage(IN_FILES))?;
     profile.add_host(phases, &compilations);
@@ -85,49 +84,40 @@ fn picture(
     step: Option<(usize, usize)>,
     profile: &mut Profile,
     progress: &Bar,
-    console: Console,
 ) -> Result<()> {
-    session.renderer.timed = job.measure.is_asked() || console.is_verbose();
-    session.describe(&console);
-    // In a time series, warn only once.
-    let last = step.is_none_or(|(step, count)| step == count);
-    if last {
-        session.warn(&console);
-    }
-    let mut rendered = session.render()?;
-    if last {
-        session.judge(&rendered.image, &console)?;
-    }
-    progress.finish_and_clear();
+    session.renderer.timed = job.args.measure.is_asked() || progress.console.is_verbose();
+    session.describe(progress);
+    session.warn(progress);
     let own = step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}")));
-    finish(job, &mut session, &mut rendered, output, own.into_iter().collect(), console)?;
+    let (mut rendered, options) = session.picture(own.into_iter().collect(), progress)?;
+    progress.finish_and_clear();
+    write(job, &session, &mut rendered, options, output, progress)?;
     profile.add(&rendered);
     session.add_phases(profile);
     Ok(())
 }
 
-/// Brightens a rendered image if its method is to do so, and writes it with its metadata, `own` among it. List lengths
-/// and layers are as they were afterwards, if they are written or were counted for a profile.
-pub fn finish(
+/// Writes a rendered image. List lengths and layers are as they were afterwards, if they are written or were counted for
+/// a profile.
+pub fn write(
     job: &RenderJob,
-    session: &mut Session,
+    session: &Session,
     rendered: &mut Rendered,
+    options: WriteOptions,
     output: &Path,
-    own: Vec<(String, String)>,
-    console: Console,
+    messages: &dyn Messages,
 ) -> Result<()> {
-    let options = session.finish(rendered, own, &console)?;
-    let options = WriteOptions { transparent: job.transparent, ..options };
+    let options = WriteOptions { transparent: job.args.transparent, ..options };
     // If not requested, the counts served only the profile's histogram.
-    let counted = if job.aov { None } else { rendered.image.fragments.take() };
-    rendered.image.layers = rendered.image.layers.take().filter(|_| job.aov);
-    rendered.image.stderr = rendered.image.stderr.take().filter(|_| job.aov);
+    let counted = if job.args.aov { None } else { rendered.image.fragments.take() };
+    rendered.image.layers = rendered.image.layers.take().filter(|_| job.args.aov);
+    rendered.image.stderr = rendered.image.stderr.take().filter(|_| job.args.aov);
     session.begin_writing();
     match &session.assembled().legend {
-        Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, &console)?,
+        Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, messages)?,
         None => output::write_image(output, &rendered.image, &options)?,
     }
     rendered.image.fragments = rendered.image.fragments.take().or(counted);
-    console.detail(format_args!("{}: written", output.display()));
+    messages.detail(&format_args!("{}: written", output.display()));
     Ok(())
 }

@@ -23,10 +23,10 @@ pub struct PlanArgs {
 pub fn run(args: PlanArgs, console: Console) -> Result<()> {
     let progress = console.progress();
     let frame = FrameRequest { memory_budget: args.device.budget(), counts: true, ..FrameRequest::default() };
-    let request = Request { frame, ..args.input.request(None, &progress, console)? };
-    let prepared = Prepared::new(request, &console, &progress)?;
-    let mut session = Session::open(&args.device.open(&progress)?, prepared, &console, &progress)?;
-    session.warn(&console);
+    let request = Request { frame, ..args.input.request(None, &progress)? };
+    let prepared = Prepared::new(request, &progress, &progress)?;
+    let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;
+    session.warn(&progress);
     let steps = session.plan()?;
     progress.finish_and_clear();
     if args.json {

@@ -258,7 +258,7 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<()> 
     let settings = scene.clouds.into_iter().next();
     let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
     let cloud = io::load_with(input, hints, &progress)?;
-    describe_cloud(input, &cloud, &console);
+    describe_cloud(input, &cloud, &progress);
     if cloud.gaussians.is_some() {
         progress.stage("writing");
         write_splats(args, input, &cloud, console)?;

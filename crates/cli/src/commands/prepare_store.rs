@@ -44,12 +44,12 @@ pub fn request(cloud: Option<&CloudSettings>, normals: bool) -> Request {
 }
 
 /// Opens the inputs. An octree is read in place, a file of another format into memory.
-fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar, console: Console) -> Result<Vec<Box<dyn Store>>> {
+fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar) -> Result<Vec<Box<dyn Store>>> {
     let open = |(path, settings): (&PathBuf, &CloudSettings)| {
         progress.reset();
         progress.set_message(format!("reading {}", path.display()));
         let store = store::open(path, settings.hints(), progress)?;
-        describe_store(store.summary(), &console);
+        describe_store(store.summary(), progress);
         Ok(store)
     };
     inputs.iter().zip(&scene.clouds).map(open).collect()
@@ -71,7 +71,7 @@ pub fn run(
     console: Console,
 ) -> Result<()> {
     let progress = console.progress();
-    let stores = open(inputs, scene, &progress, console)?;
+    let stores = open(inputs, scene, &progress)?;
     if asks && let Some(splats) = stores.iter().find(|store| store.summary().like.gaussians.is_some()) {
         console.warn(prepare_without(&splats.summary().path));
     }

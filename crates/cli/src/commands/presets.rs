@@ -28,16 +28,6 @@ pub enum Asked {
     Of(Preset),
 }
 
-impl Asked {
-    /// The one that was asked for.
-    pub fn preset(&self) -> Option<&Preset> {
-        match self {
-            Self::List => None,
-            Self::Of(preset) => Some(preset),
-        }
-    }
-}
-
 /// Keys that come between an option and what it asks for, each with the option's key: they are left out where that is
 /// given.
 const IN_THE_WAY: [(&str, &str); 3] =

@@ -45,16 +45,16 @@ pub const DEFAULT_FRAMES: u32 = 5;
 
 impl ProfileArgs {
     /// Reads the inputs, and finds the camera of each frame.
-    pub fn prepare(&self, progress: &Bar, console: Console) -> Result<(Prepared, Vec<Camera>)> {
+    pub fn prepare(&self, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
         let (memory_budget, stop) = (self.device.budget(), self.stop);
         let frame = FrameRequest { memory_budget, counts: true, stop, ..FrameRequest::default() };
-        let along = self.along.course(self.frames, &self.input, console)?;
+        let along = self.along.course(self.frames, &self.input, progress.console)?;
         let size = along.as_ref().and_then(Along::size);
-        let request = Request { frame, ..self.input.request(size, progress, console)? };
+        let request = Request { frame, ..self.input.request(size, progress)? };
         if let Some(along) = along {
-            return along.prepare(request, console, progress);
+            return along.prepare(request, progress);
         }
-        let prepared = Prepared::new(request, &console, progress)?;
+        let prepared = Prepared::new(request, progress, progress)?;
         let cameras = vec![prepared.camera; self.frames.unwrap_or(DEFAULT_FRAMES) as usize];
         Ok((prepared, cameras))
     }
@@ -63,10 +63,10 @@ impl ProfileArgs {
 pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
     args.measure.check()?;
     let progress = console.progress();
-    let (prepared, cameras) = args.prepare(&progress, console)?;
-    let mut session = Session::open(&args.device.open(&progress)?, prepared, &console, &progress)?;
-    session.describe(&console);
-    session.warn(&console);
+    let (prepared, cameras) = args.prepare(&progress)?;
+    let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;
+    session.describe(&progress);
+    session.warn(&progress);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
     let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 
 use super::Error;
 use super::along::PathArgs;
@@ -13,7 +14,7 @@ use super::films::FilmArgs;
 use super::headings::{FRAMES, METHOD, OUTPUT};
 use super::input::InputArgs;
 use super::job::{RenderJob, Target};
-use super::options::{DeviceArgs, MeasureArgs};
+use super::options::{DeviceArgs, MeasureArgs, number};
 use super::{picture, sequence};
 
 #[derive(Debug, Args)]
@@ -98,13 +99,13 @@ pub struct ChoiceArgs {
     /// The RMSE is measured on linear R, G, B over the background, against abuffer, against soft-base for soft spheres,
     /// or against the limit of many ensembles for spbr. With --method only the settings of that method are tried. The
     /// method of a scene file only selects the kind of discs.
-    #[arg(long, value_name = "E", value_parser = not_negative, help_heading = METHOD)]
+    #[arg(long, value_name = "E", value_parser = not_negative(), help_heading = METHOD)]
     pub max_error: Option<f64>,
     /// Take the most accurate method and settings with a frame time of at most MS.
     ///
     /// The time in milliseconds is the measured median on the device, as in `pellucid tradeoff`. If nothing is fast
     /// enough, the fastest is taken. --max-error has priority; a warning tells if the time is then exceeded.
-    #[arg(long, value_name = "MS", value_parser = not_negative, help_heading = METHOD)]
+    #[arg(long, value_name = "MS", value_parser = not_negative(), help_heading = METHOD)]
     pub budget: Option<f64>,
     /// With --max-error or --budget: repeat measurements already known for this scene and device.
     #[arg(long, help_heading = METHOD)]
@@ -121,8 +122,8 @@ fn number_of_frames(text: &str) -> Result<u32, String> {
     })
 }
 
-fn not_negative(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| *x >= 0.0).ok_or_else(|| "expected a number from 0".into())
+fn not_negative() -> impl TypedValueParser<Value = f64> {
+    number(|x| *x >= 0.0, "expected a number from 0")
 }
 
 impl ChoiceArgs {
@@ -136,17 +137,17 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode, Error> {
     let target = Target::new(&args)?;
     target.check(&args, console)?;
     let progress = console.progress();
-    let job = RenderJob::new(args, target, &progress, console)?;
+    let job = RenderJob::new(args, target, &progress)?;
     if let (Target::Frames(pattern, films), Some(along)) = (&job.target, &job.along) {
-        return sequence::run(&job, along, (pattern, films), &progress, console);
+        return sequence::run(&job, along, (pattern, films), &progress);
     }
     let profile = match &job.target {
-        Target::One(output) => picture::one(&job, output, &progress, console)?,
-        Target::Steps(pattern) | Target::Frames(pattern, _) => Some(picture::steps(&job, pattern, &progress, console)?),
+        Target::One(output) => picture::one(&job, output, &progress)?,
+        Target::Steps(pattern) | Target::Frames(pattern, _) => Some(picture::steps(&job, pattern, &progress)?),
     };
     if let Some(profile) = profile {
         console.detail(profile.host_text());
-        job.measure.write(&profile.to_json(), || profile.to_trace())?;
+        job.args.measure.write(&profile.to_json(), || profile.to_trace())?;
     }
     Ok(ExitCode::SUCCESS)
 }

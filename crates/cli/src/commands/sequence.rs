@@ -20,8 +20,9 @@ use super::frames::Pattern;
 use super::job::RenderJob;
 use super::measured::{FrameProfiles, Journal};
 use super::options::write_json;
-use super::picture::finish;
+use super::picture::write;
 use super::popped::Popped;
+use super::render::RenderArgs;
 use super::{Error, interrupt};
 use crate::legend;
 
@@ -65,14 +66,14 @@ pub fn run(
     along: &Along,
     (pattern, films): (&Pattern, &Films),
     progress: &Bar,
-    console: Console,
 ) -> Result<ExitCode, Error> {
-    let (prepared, cameras) = along.prepare(job.request.clone(), console, progress)?;
-    legend::check(&prepared, &console)?;
-    let mut session = Session::open(&job.device.open(progress)?, prepared, &console, progress)?;
-    session.describe(&console);
-    session.warn(&console);
-    session.renderer.timed = job.measure.is_asked() || console.is_verbose();
+    let console = progress.console;
+    let (prepared, cameras) = along.prepare(job.request.clone(), progress)?;
+    legend::check(&prepared, progress)?;
+    let mut session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
+    session.describe(progress);
+    session.warn(progress);
+    session.renderer.timed = job.args.measure.is_asked() || console.is_verbose();
     let mut frames = Frames::named(job, cameras, pattern, &session);
     frames.find(pattern)?;
     let _folder = films.make_folder()?;
@@ -138,7 +139,7 @@ impl<'a> Frames<'a> {
             foreign.extend(Some(file.clone()).filter(|_| taken && !*there));
         }
         if let Some(first) = foreign.iter().min()
-            && !self.job.overwrite
+            && !self.job.args.overwrite
         {
             return Err(output::Error::Foreign { path: first.clone(), count: foreign.len() }.into());
         }
@@ -191,7 +192,8 @@ impl<'a> Frames<'a> {
                 (IDENTITY.to_owned(), self.identities[number].clone()),
             ];
             let console_for_frame = if done == 0 { console } else { console.without_repeats() };
-            finish(self.job, session, &mut rendered, &self.files[number], own, console_for_frame)?;
+            let options = session.finish(&mut rendered, own, &console_for_frame)?;
+            write(self.job, session, &mut rendered, options, &self.files[number], &console_for_frame)?;
             session.renderer.recycle(rendered.image);
             done += 1;
             progress.inc(1);
@@ -208,7 +210,7 @@ impl<'a> Frames<'a> {
 impl Records {
     /// Reads back the measurements of existing frames.
     fn open(frames: &Frames<'_>, session: &Session) -> Result<Self> {
-        let RenderJob { popping, measure, .. } = frames.job;
+        let RenderArgs { popping, measure, .. } = &frames.job.args;
         let popped = popping.clone().map(|path| Popped::open(path, session)).transpose()?;
         let trace = measure.trace.as_ref().map(|_| session.profile());
         let (journal, measured) = match &measure.profile {
@@ -249,7 +251,7 @@ impl Records {
             }
             journal.finish(&self.measured.to_json(&host))?;
         }
-        let Some((mut trace, path)) = self.trace.zip(job.measure.trace.as_ref()) else { return Ok(()) };
+        let Some((mut trace, path)) = self.trace.zip(job.args.measure.trace.as_ref()) else { return Ok(()) };
         trace.host = host.host;
         write_json(path, &trace.to_trace())
     }
@@ -267,7 +269,7 @@ fn identities(job: &RenderJob, cameras: &[Camera], session: &Session) -> Vec<Str
     let frame = Frame { camera: prepared.camera, depths, ..session.frame };
     let info = session.device.info();
     let metadata = prepared.metadata(session.frame.method.name(), &info.name);
-    let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, job.aov, job.transparent);
+    let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, job.args.aov, job.args.transparent);
     if let Some(legend) = &prepared.assembled.legend {
         // Other values may have the same colors.
         written.push_str(&format!(" {legend:?}"));

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pellucid_engine::Result;
 use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::stress::{self, Cell, Report, Settings, Slope, Sweep};
 use pellucid_scene::Method;
 
 use super::console::Console;
-use super::options::{DeviceArgs, device};
+use super::options::{DeviceArgs, device, number};
 use super::typed::command;
 
 const ABOUT: &str = "\
@@ -43,7 +43,7 @@ pub struct StressArgs {
     /// Skip cells whose frame is predicted to take longer; by default 2.
     ///
     /// The prediction comes from the times of the same method in smaller cells.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds())]
     max_seconds: Option<f64>,
     /// Seed of the scenes, and of the choice of pixels that are compared with the reference.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -61,8 +61,8 @@ fn method_names() -> PossibleValuesParser {
     Method::transparent().iter().map(Method::name).collect::<Vec<_>>().into()
 }
 
-pub fn seconds(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| *x > 0.0).ok_or_else(|| "expected a number of seconds above 0".into())
+pub fn seconds() -> impl TypedValueParser<Value = f64> {
+    number(|x| *x > 0.0, "expected a number of seconds above 0")
 }
 
 impl StressArgs {

@@ -1,7 +1,7 @@
 //! `pellucid tradeoff`.
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -63,13 +63,6 @@ Interrupted runs: DIR/tradeoff.partial.json keeps the measurements. The same com
 Output: report.html (self-contained), tradeoff.csv, tradeoff.json; causes.csv for Gaussians; popping.csv for a path; the figures as .svg; \
 the pictures, and their differences from reference.png (10 times as bright), as .png.";
 
-/// Frames behind a median, and images with seeds of their own, if time permits: for the full run and for a quick look.
-const REPEATS: (usize, u32) = (10, 8);
-const QUICK_REPEATS: (usize, u32) = (3, 4);
-/// Default of --time: for frames of the full run, and for all of a quick look.
-const SECONDS: f64 = 360.0;
-const QUICK_SECONDS: f64 = 55.0;
-
 /// Refusal of clouds that stay in their files.
 pub(super) const IN_FILES: &str =
     "this command needs all clouds in memory, but they take more than --host-memory allows";
@@ -99,7 +92,7 @@ pub struct TradeoffArgs {
     /// Slow settings get fewer frames and seeds. A setting whose frame takes more than a 60th of this time is measured
     /// once. A setting is skipped if its frame is predicted to take more than an 8th of this time, or more than the
     /// rest of it; the prediction comes from cheaper settings of the same method.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds())]
     time: Option<f64>,
     #[command(flatten)]
     along: PathArgs,
@@ -164,17 +157,6 @@ impl TradeoffArgs {
             _ => Ok(()),
         }
     }
-
-    /// The extent of a comparison by a command that began at this time.
-    fn options(&self, begin: Instant) -> Options {
-        let (ladders, (rounds, seeds)) =
-            if self.quick { (Ladders::QUICK, QUICK_REPEATS) } else { (Ladders::FULL, REPEATS) };
-        let seconds = self.time.unwrap_or(if self.quick { QUICK_SECONDS } else { SECONDS });
-        // A time beyond what a clock can hold is no limit.
-        let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
-        let end = end.filter(|_| self.quick);
-        Options { ladders, only: self.only.clone(), seconds, end, rounds, seeds, command: command() }
-    }
 }
 
 pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
@@ -184,16 +166,16 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let frame = FrameRequest { memory_budget: args.device.budget(), ..FrameRequest::default() };
     let along = args.course(console)?;
     let size = along.as_ref().and_then(Along::size);
-    let mut request = Request { frame, ..args.input.request(size, &progress, console)? };
+    let mut request = Request { frame, ..args.input.request(size, &progress)? };
     request.wanted.radii = along.is_none();
     let (prepared, cameras) = match along {
-        Some(along) => along.prepare(request, console, &progress)?,
+        Some(along) => along.prepare(request, &progress)?,
         None => {
-            let opened = Opened::new(request, &console, &progress)?;
+            let opened = Opened::new(request, &progress, &progress)?;
             if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
                 return Err(usage(IN_FILES));
             }
-            (opened.prepare(&console, &progress)?, Vec::new())
+            (opened.prepare(&progress, &progress)?, Vec::new())
         }
     };
     args.check_popping(&prepared, &cameras)?;
@@ -203,7 +185,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
         Some(_) => {
             let mut session = Session::upload(&args.device.open(&progress)?, prepared, false, &progress)?;
             session.find_opacity()?;
-            session.describe_opacity(&console);
+            session.describe_opacity(&progress);
             let factors = session.frame.factors;
             (session.prepared, factors)
         }
@@ -223,7 +205,8 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let (arranged, scene) = (prepared.assembled.arranged(), prepared.request.name.as_str());
     let subject = MeasuredScene { arranged, frame, background, scene, cameras: &cameras };
     progress.counted("tradeoff", 1);
-    let report = tradeoff::run(&device, &subject, &args.options(begin), &args.output, &progress)?;
+    let options = Options::new(args.quick, begin, args.only.clone(), args.time, command());
+    let report = tradeoff::run(&device, &subject, &options, &args.output, &progress)?;
     progress.stage("writing the report");
     tradeoff::write(&args.output, &report)?;
     tradeoff::discard(&args.output)?;

@@ -10,7 +10,7 @@ use pellucid_viewer::{Display, Opened, Options};
 use super::Error;
 use super::console::Console;
 use super::input::InputArgs;
-use super::options::DeviceArgs;
+use super::options::{DeviceArgs, number};
 
 /// Default size of the window, in columns and rows.
 const SIZE: [u32; 2] = [1280, 720];
@@ -34,12 +34,8 @@ pub struct ViewArgs {
     ///
     /// Drafts leave out samples, pixels and points to stay within this time. At rest the picture is refined until it is
     /// complete.
-    #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive)]
+    #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = number(|x| *x > 0.0 && x.is_finite(), "expected a number above 0"))]
     budget: f64,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a number above 0".into())
 }
 
 pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
@@ -48,9 +44,9 @@ pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
     let ViewArgs { input, device, path, budget } = args;
     let cameras = path.as_deref().map(CameraSource::read).transpose().map_err(pellucid_engine::Error::from)?;
     let progress = console.progress();
-    let (named, request) = input.named(None, &progress, console)?;
+    let (named, request) = input.named(None, &progress)?;
     let host_memory = request.limits.memory;
-    let opened = Opened::open(named, &request.scene, host_memory, &console, &progress)?;
+    let opened = Opened::open(named, &request.scene, host_memory, &progress, &progress)?;
     progress.finish_and_clear();
     let is_classified = opened.sources.are_classified();
     if let Some(share) = request.see_through.and_then(|share| share.share(request.scene.method, is_classified)) {

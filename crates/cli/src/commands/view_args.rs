@@ -7,6 +7,7 @@ use pellucid_engine::Result;
 use pellucid_scene::{Overrides, Vertical, View, ViewName};
 
 use super::headings::CAMERA;
+use super::options::number;
 
 /// Options for the viewpoint.
 #[derive(Debug, Args)]
@@ -26,7 +27,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = azimuth, help_heading = CAMERA)]
     azimuth: Option<f64>,
     /// Height of the camera above the horizon in degrees, from −90 to 90.
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = elevation, help_heading = CAMERA)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = number(|x| x.abs() <= 90.0, "expected degrees from -90 to 90"), help_heading = CAMERA)]
     elevation: Option<f64>,
     /// Axis that points up in the image, as in y or -z.
     ///
@@ -65,10 +66,6 @@ fn view_name() -> impl TypedValueParser<Value = ViewName> {
     PossibleValuesParser::new(values).try_map(|word| ViewName::named(&word).ok_or("no such view"))
 }
 
-fn finite(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number of degrees".into())
-}
-
 /// Degrees, or a point of the compass by its letters or words.
 fn azimuth(text: &str) -> Result<f64, String> {
     const COMPASS: [(&str, &str); 8] = [
@@ -83,7 +80,7 @@ fn azimuth(text: &str) -> Result<f64, String> {
     ];
     let lower = text.to_lowercase();
     let point = COMPASS.iter().position(|(letters, words)| lower == *letters || lower == *words);
-    let degrees = point.map(|point| 45.0 * point as f64).or_else(|| finite(text).ok());
+    let degrees = point.map(|point| 45.0 * point as f64).or_else(|| text.parse().ok().filter(|x: &f64| x.is_finite()));
     degrees.ok_or_else(|| "expected a number of degrees, or N, NE, E, SE, S, SW, W or NW".into())
 }
 
@@ -97,8 +94,4 @@ fn axis(text: &str) -> Result<Vertical, String> {
         _ => None,
     };
     direction.and_then(|axis| Vertical::nearest(sign * axis)).ok_or_else(|| "expected x, y, z, -x, -y or -z".into())
-}
-
-fn elevation(text: &str) -> Result<f64, String> {
-    finite(text).ok().filter(|x| x.abs() <= 90.0).ok_or_else(|| "expected degrees from -90 to 90".into())
 }

@@ -182,9 +182,7 @@ impl Setting {
         let value = value.into();
         let turned: String = key.split('+').map(|key| format!("method.{key}={value} ")).collect();
         let text = format!("{turned}{rest}").trim_end().to_owned();
-        let series = format!("{} {rest}", method.name());
-        let detail = scene::Detail::default();
-        Self { method, text, step: Some((key, value)), series, effort: Some(value), thinning: 1, detail }
+        Self { text, step: Some((key, value)), effort: Some(value), ..Self::single(method, rest) }
     }
 
     /// Points at most so many pixels apart, which take the longer the nearer they are.
@@ -204,7 +202,7 @@ impl Setting {
         let (key, value) = step;
         let text = format!("{key}={value} {rest}").trim_end().to_owned();
         let series = format!("{} {key} {rest}", method.name());
-        Self { method, text, step: Some(step), series, effort: Some(effort), thinning: 1, detail }
+        Self { text, step: Some(step), series, effort: Some(effort), detail, ..Self::single(method, rest) }
     }
 
     /// Method and setting: no two have the same.

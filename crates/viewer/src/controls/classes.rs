@@ -29,27 +29,12 @@ pub enum ClassKey {
 }
 
 impl ClassKey {
-    fn name(self) -> &'static str {
+    /// The name, the value, and which entries give the key.
+    fn parts(self) -> (&'static str, Setting, fn(&ClassSettings) -> bool) {
         match self {
-            Self::Opacity(_) => "opacity",
-            Self::Color(_) => "color",
-            Self::Visible(_) => "visible",
-        }
-    }
-
-    fn setting(self) -> Setting {
-        match self {
-            Self::Opacity(opacity) => opacity.into(),
-            Self::Color(color) => color.into(),
-            Self::Visible(visible) => visible.into(),
-        }
-    }
-
-    fn is_given_by(self, entry: &ClassSettings) -> bool {
-        match self {
-            Self::Opacity(_) => entry.opacity.is_some(),
-            Self::Color(_) => entry.color.is_some(),
-            Self::Visible(_) => entry.visible.is_some(),
+            Self::Opacity(opacity) => ("opacity", opacity.into(), |entry| entry.opacity.is_some()),
+            Self::Color(color) => ("color", color.into(), |entry| entry.color.is_some()),
+            Self::Visible(visible) => ("visible", visible.into(), |entry| entry.visible.is_some()),
         }
     }
 }
@@ -79,12 +64,13 @@ pub fn class_changes(cloud: usize, entries: &[ClassSettings], code: u8, key: Cla
 }
 
 fn given(cloud: usize, entries: &[ClassSettings], code: u8, key: ClassKey) -> Vec<Change> {
-    let overrules = |entry: &ClassSettings| entry.points.holds_class(code) && key.is_given_by(entry);
+    let (name, value, is_given) = key.parts();
+    let overrules = |entry: &ClassSettings| entry.points.holds_class(code) && is_given(entry);
     let wins = |at: &usize| !entries.iter().skip(at + 1).any(overrules);
     let own = entries.iter().rposition(|entry| is_own(entry, code)).filter(wins);
     let at = |at: usize, name: &str| format!("cloud.{cloud}.class.{at}.{name}");
     let id = own.is_none().then(|| (at(entries.len(), "id"), Some(Setting::Integer(code.into()))));
-    let value = (at(own.unwrap_or(entries.len()), key.name()), Some(key.setting()));
+    let value = (at(own.unwrap_or(entries.len()), name), Some(value));
     id.into_iter().chain([value]).collect()
 }
 

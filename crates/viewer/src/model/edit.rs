@@ -63,7 +63,7 @@ impl Model {
                 self.scene = Arc::new(scene);
                 self.touch();
             }
-            Err(error) => self.message = Some((error.to_string(), true)),
+            Err(error) => self.show_error(error.to_string()),
         }
     }
 }

@@ -32,10 +32,10 @@ impl Model {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
         let (cameras, files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| import::is_cameras(file));
         if cameras.len() > 1 {
-            self.message = Some(("only one camera path can be open: give one file of cameras".to_owned(), true));
+            self.show_error("only one camera path can be open: give one file of cameras");
             return;
         }
-        self.message = Some((format!("reading {}", names.join(", ")), false));
+        self.show_note(format!("reading {}", names.join(", ")));
         if !files.is_empty() {
             self.ask_for(Task::Open(files));
         }
@@ -66,7 +66,7 @@ impl Model {
     pub(super) fn is_leaving(&mut self) -> bool {
         let leaving = self.pending.contains(&true);
         if leaving {
-            self.message = Some(("not saved: another scene is being read".to_owned(), true));
+            self.show_error("not saved: another scene is being read");
         }
         leaving
     }
@@ -87,7 +87,7 @@ impl Model {
     /// Saves like [`Model::save`], to a file of this name.
     pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
         if self.navigator.is_none() || self.viewport.size.contains(&0) {
-            self.message = Some(("no picture yet to save".to_owned(), false));
+            self.show_note("no picture yet to save");
             return;
         }
         if self.is_leaving() {
@@ -98,7 +98,7 @@ impl Model {
                 let saving = Saving { document, stem: self.stem(), picture, path: None, to };
                 self.ask_for(Task::Save(Box::new(saving)));
             }
-            Err(error) => self.message = Some((error.to_string(), true)),
+            Err(error) => self.show_error(error.to_string()),
         }
     }
 
@@ -145,7 +145,7 @@ impl Model {
         let named = PathBuf::from(named);
         if named.exists() {
             let problem = format!("{} exists; enter its full name to replace it", named.display());
-            self.message = Some((problem, true));
+            self.show_error(problem);
         } else {
             self.save_to(false, Some(named));
         }
@@ -167,7 +167,7 @@ impl Model {
         }
         let whole = |file: &PathBuf| std::path::absolute(file).unwrap_or_else(|_| file.clone());
         self.saved = Some(Saved { files: files.iter().map(whole).collect(), command, message: message.clone() });
-        self.message = Some((message, false));
+        self.show_note(message);
     }
 }
 

@@ -39,14 +39,14 @@ impl Model {
     }
 
     /// Changes the route; a change that makes no valid path becomes a message.
-    fn change_route(&mut self, change: impl FnOnce(&mut Route, &Defaults) -> Result<(), Problem>) -> bool {
+    pub fn change_route(&mut self, change: impl FnOnce(&mut Route, &Defaults) -> Result<(), Problem>) -> bool {
         let Some(defaults) = self.defaults() else {
-            self.message = Some(("nothing is shown yet".to_owned(), false));
+            self.show_note("nothing is shown yet");
             return false;
         };
         match change(&mut self.route, &defaults) {
             Ok(()) => self.message = None,
-            Err(problem) => self.message = Some((problem.to_string(), true)),
+            Err(problem) => self.show_error(problem.to_string()),
         }
         self.message.is_none()
     }
@@ -58,7 +58,7 @@ impl Model {
                 self.go_to_key(self.route.selected().unwrap_or(0));
             }
         } else {
-            self.message = Some(("no picture yet to take a key from".to_owned(), false));
+            self.show_note("no picture yet to take a key from");
         }
     }
 
@@ -80,21 +80,6 @@ impl Model {
     /// Moves the selected key one place back or ahead.
     pub fn shift_key(&mut self, back: bool) {
         self.change_route(|route, defaults| route.shift(back, defaults));
-    }
-
-    /// Sets whether the path goes back to its first key.
-    pub fn close_route(&mut self, closed: bool) {
-        self.change_route(|route, defaults| route.set_closed(closed, defaults));
-    }
-
-    /// Sets whether each key has a time.
-    pub fn time_route(&mut self, timed: bool) {
-        self.change_route(|route, defaults| route.set_timed(timed, defaults));
-    }
-
-    /// Sets the time of a key.
-    pub fn time_key(&mut self, at: usize, time: f64) {
-        self.change_route(|route, defaults| route.set_time(at, time, defaults));
     }
 
     /// Fills the path with a turn of the present camera about the vertical through the pivot.
@@ -155,7 +140,7 @@ impl Model {
                     self.go(settings);
                 }
             }
-            Err(problem) => self.message = Some((problem.to_string(), true)),
+            Err(problem) => self.show_error(problem.to_string()),
         }
     }
 
@@ -170,7 +155,7 @@ impl Model {
         if self.route.is_playing() {
             self.route.stop();
         } else if self.route.keys().len() < 2 {
-            self.message = Some(("a path needs two keys: press K to add the current camera".to_owned(), false));
+            self.show_note("a path needs two keys: press K to add the current camera");
         } else {
             self.route.play();
         }
@@ -192,7 +177,7 @@ impl Model {
                 self.go(CameraSettings { near: near_far.0, far: near_far.1, ..settings_of(&pose, &subject) });
             }
             Ok(None) => {}
-            Err(problem) => self.message = Some((problem.to_string(), true)),
+            Err(problem) => self.show_error(problem.to_string()),
         }
     }
 
@@ -208,10 +193,7 @@ impl Model {
                     self.touch();
                 }
             }
-            None => {
-                let said = "this key is not a valid camera: it is too far away, or near is not less than far";
-                self.message = Some((said.to_owned(), true));
-            }
+            None => self.show_error("this key is not a valid camera: it is too far away, or near is not less than far"),
         }
     }
 
@@ -242,11 +224,11 @@ impl Model {
     /// Writes the path, and the scene that it leads through, into the current folder.
     pub fn save_path(&mut self) {
         if self.route.keys().is_empty() {
-            self.message = Some(("no keys yet: press K to add the current camera".to_owned(), false));
+            self.show_note("no keys yet: press K to add the current camera");
             return;
         }
         if self.viewport.size.contains(&0) {
-            self.message = Some(("the window has no room for a picture, and a path needs its size".to_owned(), true));
+            self.show_error("the window has no room for a picture, and a path needs its size");
             return;
         }
         if self.is_leaving() {
@@ -260,7 +242,7 @@ impl Model {
                 let saving = Saving { document, stem: self.stem(), picture: false, path, to: None };
                 self.ask_for(Task::Save(Box::new(saving)));
             }
-            Err(error) => self.message = Some((error.to_string(), true)),
+            Err(error) => self.show_error(error.to_string()),
         }
     }
 }

@@ -11,35 +11,18 @@ use crate::model::Model;
 use crate::statistics::Statistics;
 use pellucid_scene::{Change, CloudSettings, ColorBy, Setting};
 
-/// The clouds that the section is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum CloudSelection {
-    All,
-    One(usize),
-}
+/// The cloud that the section is about; `None` for all.
+type Target = Option<usize>;
 
-impl CloudSelection {
-    fn key(self, name: &str) -> String {
-        match self {
-            Self::All => format!("cloud.*.{name}"),
-            Self::One(i) => format!("cloud.{i}.{name}"),
-        }
-    }
-
-    /// The number of the first cloud.
-    fn first(self) -> usize {
-        match self {
-            Self::All => 0,
-            Self::One(i) => i,
-        }
-    }
+fn key_of(target: Target, name: &str) -> String {
+    target.map_or_else(|| format!("cloud.*.{name}"), |i| format!("cloud.{i}.{name}"))
 }
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let clouds = model.scene().clouds.clone();
     let target = target(ui, &clouds);
-    let first = target.first();
+    let first = target.unwrap_or(0);
     let Some(settings) = clouds.get(first) else { return };
     one_color(ui, model, target, settings);
     if settings.color.is_none() {
@@ -57,22 +40,16 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// The clouds that were chosen; with one there is no choice.
-fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> CloudSelection {
+fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
     if clouds.len() == 1 {
-        return CloudSelection::One(0);
+        return Some(0);
     }
     let id = Id::new("colors of");
-    let known = ui.data(|data| data.get_temp(id)).filter(|target| match target {
-        CloudSelection::All => true,
-        CloudSelection::One(i) => *i < clouds.len(),
-    });
-    let mut target = known.unwrap_or(CloudSelection::All);
-    let text = |target| match target {
-        CloudSelection::All => "all clouds".to_owned(),
-        CloudSelection::One(i) => clouds.get(i).map_or_else(String::new, |settings| clouds::name(settings, i)),
-    };
+    let known: Option<Target> = ui.data(|data| data.get_temp(id));
+    let mut target = known.flatten().filter(|i| *i < clouds.len());
+    let text = |target: Target| target.map_or_else(|| "all clouds".to_owned(), |i| clouds::name(&clouds[i], i));
     ComboBox::from_id_salt(id).selected_text(text(target)).width(150.0).truncate().show_ui(ui, |ui| {
-        for other in [CloudSelection::All].into_iter().chain((0..clouds.len()).map(CloudSelection::One)) {
+        for other in [None].into_iter().chain((0..clouds.len()).map(Some)) {
             ui.selectable_value(&mut target, other, text(other));
         }
     });
@@ -81,38 +58,38 @@ fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> CloudSelection {
 }
 
 /// Shows the row of a single color that replaces all others.
-fn one_color(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings) {
+fn one_color(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
     let mut entry = controls::cloud(settings, "color", false, None, model.extent());
     if let Some(KeyControl { presence: Presence::Optional { without, .. }, .. }) = &mut entry {
         without.clear();
     }
-    row(ui, model, &target.key("color"), "one color", entry);
+    row(ui, model, &key_of(target, "color"), "one color", entry);
 }
 
 /// The row of a key that needs nothing but its control.
-fn plain(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings, key: &str) {
+fn plain(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings, key: &str) {
     let entry = controls::cloud(settings, key, false, None, model.extent());
-    row(ui, model, &target.key(key), &controls::label(key), entry);
+    row(ui, model, &key_of(target, key), &controls::label(key), entry);
 }
 
 /// Shows the choice of what the colors mean, among the quantities that all of the clouds have.
-fn meaning(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings) {
+fn meaning(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
     let (statistics, scene) = (model.statistics(), model.scene().clone());
     let known = scene.clouds.iter().zip(statistics.iter()).enumerate();
-    let about = known.filter(|(i, _)| target == CloudSelection::All || target == CloudSelection::One(*i));
+    let about = known.filter(|(i, _)| target.is_none_or(|target| target == *i));
     let offers: Vec<Vec<&str>> = about.map(|(_, (settings, statistics))| offers(settings, statistics)).collect();
     let Some((first, others)) = offers.split_first() else { return };
     let words: Vec<&str> =
         first.iter().copied().filter(|word| others.iter().all(|other| other.contains(word))).collect();
-    let key = target.key("color_by");
+    let key = key_of(target, "color_by");
     if let Some(word) = choice_row(ui, model, &key, "colored by", settings.coloring.color_by.word(), &words) {
         model.change(&by(target, word));
     }
 }
 
 /// The changes that let colors show something else. A range of other values goes.
-fn by(target: CloudSelection, word: Option<&str>) -> Vec<Change> {
-    vec![(target.key("color_by"), word.map(Setting::from)), (target.key("range"), None)]
+fn by(target: Target, word: Option<&str>) -> Vec<Change> {
+    vec![(key_of(target, "color_by"), word.map(Setting::from)), (key_of(target, "range"), None)]
 }
 
 /// Returns the quantities that the colors of a cloud can show.
@@ -150,10 +127,10 @@ fn ends(model: &Model, cloud: usize) -> Option<[f64; 2]> {
 }
 
 /// The values of the first and the last color.
-fn range(ui: &mut Ui, model: &mut Model, target: CloudSelection, settings: &CloudSettings) {
-    let key = target.key("range");
+fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
+    let key = key_of(target, "range");
     let given = settings.coloring.range;
-    let Some([low, high]) = given.or_else(|| ends(model, target.first())) else { return };
+    let Some([low, high]) = given.or_else(|| ends(model, target.unwrap_or(0))) else { return };
     let speed = 0.005 * (high - low).abs().max(f64::MIN_POSITIVE);
     let shown = shown_decimals((high - low).abs());
     let mut ends = [low, high];

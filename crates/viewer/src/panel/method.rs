@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         if let Some(entry) = controls::method(&method.representative(), key, model.extent())
             && let (Some(edit), _) = edit_row(ui, model, &dotted, &controls::label(key), entry)
         {
-            model.change(&controls::method_changes(&method.representative(), key, edit.value()));
+            model.change(&controls::method_changes(&method.representative(), key, edit));
         }
     }
     let warnings = model.scene().warnings.clone();

@@ -34,7 +34,7 @@ pub fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
     };
     entry.value = Setting::Number(value);
     if let (Some(edit), _) = edit_row(ui, model, &format!("cloud.*.{key}"), label, entry) {
-        model.change(&controls::opacities(clouds, edit.value().as_ref()));
+        model.change(&controls::opacities(clouds, edit.as_ref()));
     }
 }
 

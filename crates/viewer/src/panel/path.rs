@@ -76,7 +76,7 @@ fn row(ui: &mut Ui, model: &mut Model, at: usize) {
             let most = time_of(at + 1).map_or(f64::INFINITY, |time| time - 1e-3);
             let range = least.min(seconds)..=most.max(seconds);
             if ui.add(DragValue::new(&mut seconds).range(range).speed(0.05).suffix(" s").max_decimals(3)).changed() {
-                model.time_key(at, seconds);
+                model.change_route(|route, defaults| route.set_time(at, seconds, defaults));
             }
         }
         None => {
@@ -89,11 +89,11 @@ fn timing(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let mut closed = model.route.is_closed();
         if ui.checkbox(&mut closed, "loop").on_hover_text("return from the last key to the first").changed() {
-            model.close_route(closed);
+            model.change_route(|route, defaults| route.set_closed(closed, defaults));
         }
         let mut timed = model.route.is_timed();
         if ui.checkbox(&mut timed, "times").on_hover_text("give each key a time in seconds").changed() {
-            model.time_route(timed);
+            model.change_route(|route, defaults| route.set_timed(timed, defaults));
         }
         if !timed {
             let mut pace = model.route.pace();

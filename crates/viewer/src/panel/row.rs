@@ -13,31 +13,15 @@ const BUTTON: f32 = 20.0;
 /// Room that a switch takes before a control, in points.
 const SWITCH: f32 = 26.0;
 
-/// An edit of a key.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Edit {
-    /// Sets the key to a value.
-    To(Setting),
-    /// Removes the key.
-    Out,
-}
-
-impl Edit {
-    /// The new value, if any.
-    pub fn value(self) -> Option<Setting> {
-        match self {
-            Self::To(value) => Some(value),
-            Self::Out => None,
-        }
-    }
-}
+/// An edit of a key: sets it to a value, or removes it.
+pub type Edit = Option<Setting>;
 
 /// A row that applies its own edits, if its key has a control. Returns true if its name was clicked.
 pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Option<KeyControl>) -> bool {
     let Some(entry) = entry else { return false };
     let (edit, clicked) = edit_row(ui, model, key, label, entry);
     if let Some(edit) = edit {
-        model.set(key, edit.value());
+        model.set(key, edit);
     }
     clicked
 }
@@ -56,7 +40,7 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: K
         if on {
             let (response, changed) = change(ui, key, label, control, value);
             note(model, key, response.on_hover_text(about));
-            edit = edit.or(changed.map(Edit::To));
+            edit = edit.or(changed.map(Some));
         }
         if let (Presence::Optional { without, .. }, false) = (&presence, on) {
             ui.weak(without);
@@ -65,7 +49,7 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: K
         let room = ui.available_width() - if has_button { BUTTON } else { 0.0 };
         let named = (control != Control::Flag).then(|| name_within(ui, about, label, room));
         if has_button && takes_out(ui, model, key) {
-            edit = Some(Edit::Out);
+            edit = Some(None);
         }
         (edit, named.is_some_and(|name| name.clicked()))
     })
@@ -91,7 +75,7 @@ fn switch(
     let response = note(model, &format!("{key}?"), response);
     let clicked = if radio { response.clicked() && !was } else { response.changed() };
     response.on_hover_text(about);
-    let edit = clicked.then(|| if was { Edit::Out } else { Edit::To(start.clone()) });
+    let edit = clicked.then(|| (!was).then(|| start.clone()));
     (was, edit)
 }
 

@@ -23,6 +23,8 @@ use super::console::Console;
 use super::frames::{Naming, Pattern};
 use super::headings::FRAMES;
 use super::limit::usage;
+use super::options::refuse;
+use super::render::RenderArgs;
 use super::{Error as CommandError, interrupt};
 pub use ffmpeg::Error;
 pub use page::Caption;
@@ -92,15 +94,6 @@ fn names_film(path: &Path) -> bool {
     FilmFormat::of(path).is_some() || extension(path).is_some_and(|extension| others.contains(&extension.as_str()))
 }
 
-/// The options of a render that decide whether a film can be made.
-pub struct Asked<'a> {
-    /// `-o`.
-    pub output: Option<&'a Path>,
-    pub transparent: bool,
-    pub aov: bool,
-    pub deep: bool,
-}
-
 /// Film and page that the frames of a path become; both may be missing.
 #[derive(Debug, Default)]
 pub struct Films {
@@ -127,25 +120,20 @@ impl FilmArgs {
     }
 
     /// Returns the film and the page that the options request.
-    pub fn films(&self, asked: &Asked<'_>) -> Result<Films> {
-        let film = match asked.output.filter(|output| names_film(output)) {
-            Some(path) => Some((path.to_owned(), known_kind(path)?)),
-            None => None,
-        };
+    pub fn films(&self, args: &RenderArgs) -> Result<Films> {
+        let film = args.output.as_ref().filter(|output| names_film(output));
+        let film = film.map(|path| known_kind(path).map(|kind| (path.clone(), kind))).transpose()?;
         if self.fps.is_some() && film.is_none() && self.html.is_none() {
             return Err(usage(
                 "--fps needs a film (-o turn.mp4, .webm, .gif or .apng) or --html; numbered frames have no pace",
             ));
         }
         let fps = self.fps.unwrap_or(FPS);
-        if let Some(first) = film.as_ref().map(|(path, _)| path).or(self.html.as_ref()) {
-            check_options(first, film.as_ref().map(|(_, kind)| *kind), self.html.is_some(), fps, asked)?;
+        let first = film.as_ref().map(|(path, _)| path).or(self.html.as_ref());
+        if let Some(first) = first {
+            check_options(first, film.as_ref().map(|(_, kind)| *kind), self.html.is_some(), fps, args)?;
         }
-        let kept = if film.is_some() || asked.output.is_none() {
-            film.as_ref().map(|(path, _)| path).or(self.html.as_ref())
-        } else {
-            None
-        };
+        let kept = first.filter(|_| film.is_some() || args.output.is_none());
         let folder = kept.map(|path| {
             let mut name = path.as_os_str().to_owned();
             name.push(".frames");
@@ -168,31 +156,32 @@ fn known_kind(path: &Path) -> Result<FilmFormat> {
 }
 
 /// Refuses options that would have no effect on a film or a page.
-fn check_options(first: &Path, kind: Option<FilmFormat>, page: bool, fps: u32, asked: &Asked<'_>) -> Result<()> {
+fn check_options(first: &Path, kind: Option<FilmFormat>, page: bool, fps: u32, args: &RenderArgs) -> Result<()> {
     let path = first.display();
-    if asked.aov {
-        return Err(usage(format!(
-            "{path}: --aov adds channels to .exr files, and films and pages have none; give -o frame_%04d.exr"
-        )));
-    }
-    if asked.deep {
-        return Err(usage(format!("{path}: --deep writes one .exr, and not a film or a page")));
-    }
-    if asked.transparent && page {
-        return Err(usage("--html: its pictures are JPEGs, which can't be transparent; leave out --transparent"));
-    }
-    if asked.transparent && !matches!(kind, Some(FilmFormat::Apng)) && kind.is_some() {
-        return Err(usage(format!("{path}: only an .apng keeps --transparent, of the films")));
-    }
-    if kind == Some(FilmFormat::Gif) && fps > MAX_GIF_FPS {
-        return Err(usage(format!(
-            "{path}: browsers show at most {MAX_GIF_FPS} frames of a GIF in a second; give a smaller --fps, or make an .apng"
-        )));
-    }
-    if page && asked.output.is_some_and(|output| extension(output).is_some_and(|extension| extension == "exr")) {
-        return Err(usage("--html is made of .png frames; give -o frame_%04d.png, or no -o"));
-    }
-    Ok(())
+    let keeps_alpha = kind.is_none_or(|kind| kind == FilmFormat::Apng);
+    let is_exr = |output: &PathBuf| extension(output).is_some_and(|extension| extension == "exr");
+    refuse([
+        (
+            args.aov,
+            format!("{path}: --aov adds channels to .exr files, and films and pages have none; give -o frame_%04d.exr"),
+        ),
+        (args.deep.format().is_some(), format!("{path}: --deep writes one .exr, and not a film or a page")),
+        (
+            args.transparent && page,
+            "--html: its pictures are JPEGs, which can't be transparent; leave out --transparent".to_owned(),
+        ),
+        (args.transparent && !keeps_alpha, format!("{path}: only an .apng keeps --transparent, of the films")),
+        (
+            kind == Some(FilmFormat::Gif) && fps > MAX_GIF_FPS,
+            format!(
+                "{path}: browsers show at most {MAX_GIF_FPS} frames of a GIF in a second; give a smaller --fps, or make an .apng"
+            ),
+        ),
+        (
+            page && args.output.as_ref().is_some_and(is_exr),
+            "--html is made of .png frames; give -o frame_%04d.png, or no -o".to_owned(),
+        ),
+    ])
 }
 
 impl Films {

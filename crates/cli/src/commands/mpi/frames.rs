@@ -14,7 +14,6 @@ use super::stage::RankScene;
 use crate::commands::Error;
 use crate::commands::along::Along;
 use crate::commands::bar::Bar;
-use crate::commands::console::Console;
 use crate::commands::frames::Pattern;
 use crate::commands::interrupt;
 use crate::commands::job::RenderJob;
@@ -31,9 +30,9 @@ pub fn run(
     sharing: &SharingArgs,
     (along, pattern): (&Along, &Pattern),
     ranks: &Ranks,
-    (console, progress): (Console, &Bar),
+    progress: &Bar,
 ) -> Result<ExitCode, Error> {
-    if job.measure.is_asked() || job.popping.is_some() {
+    if job.args.measure.is_asked() || job.args.popping.is_some() {
         return Err(usage(
             "--profile, --trace and --popping of many frames are for pellucid; pellucid-mpi profile measures the frames of a path",
         )
@@ -41,11 +40,11 @@ pub fn run(
     }
     let mut cameras = Vec::new();
     let prepare = || {
-        let (prepared, found) = along.prepare(job.request.clone(), console, progress)?;
+        let (prepared, found) = along.prepare(job.request.clone(), progress)?;
         cameras = found;
         Ok((prepared, cameras.len()))
     };
-    let mut stage = RankScene::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
+    let mut stage = RankScene::open((&job.args.device, sharing.share), ranks, progress, prepare)?;
     stage.session.renderer.timed = false;
     let mut frames = Frames::named(job, cameras, pattern, &stage.session);
     let found = if ranks.is_first() { frames.find(pattern) } else { Ok(()) };
@@ -54,31 +53,25 @@ pub fn run(
     frames.there = told(frames.there, ranks);
     interrupt::defer();
     let rendered = match stage.share {
-        Share::Frames => each_its_own(&frames, &mut stage, ranks, progress, console)?,
-        Share::Windows | Share::Samples => each_by_all(&frames, &mut stage, ranks, progress, console)?,
+        Share::Frames => each_its_own(&frames, &mut stage, ranks, progress)?,
+        Share::Windows | Share::Samples => each_by_all(&frames, &mut stage, ranks, progress)?,
     };
     progress.finish_and_clear();
     let all = ranks.all_told(&(rendered as u64).to_le_bytes());
     let rendered: u64 = all.iter().filter_map(|one| one.as_slice().try_into().ok()).map(u64::from_le_bytes).sum();
     let (count, before) = (frames.there.len() as u64, frames.there.iter().filter(|there| **there).count() as u64);
-    console.note(format_args!("{count} frames: {before} were there already, {rendered} were rendered"));
+    progress.console.note(format_args!("{count} frames: {before} were there already, {rendered} were rendered"));
     Ok(if before + rendered < count { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
 }
 
 /// Renders and writes, on each rank, frames as long as there are some; returns their number.
-fn each_its_own(
-    frames: &Frames<'_>,
-    stage: &mut RankScene,
-    ranks: &Ranks,
-    progress: &Bar,
-    console: Console,
-) -> Result<usize> {
+fn each_its_own(frames: &Frames<'_>, stage: &mut RankScene, ranks: &Ranks, progress: &Bar) -> Result<usize> {
     let missing = frames.missing();
     let session = &mut stage.session;
     let mut desk = Desk::open(ranks, missing.len());
     let mut numbers = desk.by_ref().map(|unit| missing[unit]);
     let due = Due { numbers: &mut numbers, count: missing.len(), render: &mut Session::render };
-    let rendered = frames.render(session, &mut Records::default(), due, progress, console)?;
+    let rendered = frames.render(session, &mut Records::default(), due, progress, progress.console)?;
     // Whoever was interrupted leaves the rest to nobody.
     desk.by_ref().for_each(drop);
     desk.close();
@@ -86,13 +79,7 @@ fn each_its_own(
 }
 
 /// Renders each frame with all ranks, and writes it on the first one; returns the number of frames there.
-fn each_by_all(
-    frames: &Frames<'_>,
-    stage: &mut RankScene,
-    ranks: &Ranks,
-    progress: &Bar,
-    console: Console,
-) -> Result<usize> {
+fn each_by_all(frames: &Frames<'_>, stage: &mut RankScene, ranks: &Ranks, progress: &Bar) -> Result<usize> {
     let mut rendered = 0;
     progress.counted("frames", frames.missing().len() as u64);
     for number in frames.missing() {
@@ -106,7 +93,7 @@ fn each_by_all(
             |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
         let session = &mut stage.session;
         let due = Due { numbers: &mut std::iter::once(number), count: 1, render: &mut render };
-        let console = if rendered == 0 { console } else { console.without_repeats() };
+        let console = if rendered == 0 { progress.console } else { progress.console.without_repeats() };
         rendered += frames.render(session, &mut Records::default(), due, progress, console)?;
     }
     Ok(rendered)

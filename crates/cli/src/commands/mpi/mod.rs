@@ -118,14 +118,10 @@ impl Command {
 fn render(args: RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode, Error> {
     let target = together(ranks, target(&args))?;
     let progress = console.progress();
-    let job = together(ranks, RenderJob::new(args, target, &progress, console))?;
+    let job = together(ranks, RenderJob::new(args, target, &progress))?;
     match (&job.target, &job.along) {
-        (Target::One(output), _) => {
-            picture::run(&job, sharing, output, ranks, (console, &progress)).map(|()| ExitCode::SUCCESS)
-        }
-        (Target::Frames(pattern, _), Some(along)) => {
-            frames::run(&job, sharing, (along, pattern), ranks, (console, &progress))
-        }
+        (Target::One(output), _) => picture::run(&job, sharing, output, ranks, &progress).map(|()| ExitCode::SUCCESS),
+        (Target::Frames(pattern, _), Some(along)) => frames::run(&job, sharing, (along, pattern), ranks, &progress),
         // Refused before.
         (Target::Frames(..) | Target::Steps(_), _) => Ok(ExitCode::FAILURE),
     }

@@ -10,7 +10,6 @@ use super::report::Report;
 use super::stage::RankScene;
 use crate::commands::Error;
 use crate::commands::bar::Bar;
-use crate::commands::console::Console;
 use crate::commands::job::RenderJob;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::picture;
@@ -19,30 +18,25 @@ use crate::commands::picture;
 ///
 /// # Errors
 /// Errors of rendering, on any rank.
-pub fn run(
-    job: &RenderJob,
-    sharing: &SharingArgs,
-    output: &Path,
-    ranks: &Ranks,
-    (console, progress): (Console, &Bar),
-) -> Result<(), Error> {
-    let is_profiled = job.measure.is_asked();
+pub fn run(job: &RenderJob, sharing: &SharingArgs, output: &Path, ranks: &Ranks, progress: &Bar) -> Result<(), Error> {
+    let is_profiled = job.args.measure.is_asked();
     let prepare = || {
         let mut request = job.request.clone();
         request.frame.counts |= is_profiled;
-        Ok((Prepared::new(request, &console, progress)?, 1))
+        Ok((Prepared::new(request, progress, progress)?, 1))
     };
-    let mut stage = RankScene::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
-    stage.session.renderer.timed = is_profiled || console.is_verbose();
+    let mut stage = RankScene::open((&job.args.device, sharing.share), ranks, progress, prepare)?;
+    stage.session.renderer.timed = is_profiled || progress.console.is_verbose();
     let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(()) };
     let RankScene { mut session, share, .. } = stage;
     session.frame.depths = false;
-    session.judge(&shared.rendered.image, &console)?;
+    session.judge(&shared.rendered.image, progress)?;
     progress.finish_and_clear();
-    picture::finish(job, &mut session, &mut shared.rendered, output, Vec::new(), console)?;
+    let options = session.finish(&mut shared.rendered, Vec::new(), progress)?;
+    picture::write(job, &session, &mut shared.rendered, options, output, progress)?;
     let mut report = Report::new(&session, share);
     report.add(shared);
     session.add_phases(&mut report.profile);
-    console.detail(report.table());
-    Ok(report.write(&job.measure)?)
+    progress.console.detail(report.table());
+    Ok(report.write(&job.args.measure)?)
 }

@@ -24,10 +24,10 @@ pub fn run(
 ) -> Result<(), Error> {
     let progress = console.progress();
     let prepare = || {
-        let request = args.input.request(None, &progress, console)?;
-        Ok((Prepared::new(request, &console, &progress)?, 1))
+        let request = args.input.request(None, &progress)?;
+        Ok((Prepared::new(request, &progress, &progress)?, 1))
     };
-    let mut stage = RankScene::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
+    let mut stage = RankScene::open((&args.device, sharing.share), ranks, &progress, prepare)?;
     progress.finish_and_clear();
     if !ranks.is_first() {
         return Ok(());

@@ -21,11 +21,11 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
     let mut cameras = Vec::new();
     let prepare = || {
         args.measure.check()?;
-        let (prepared, found) = args.prepare(&progress, console)?;
+        let (prepared, found) = args.prepare(&progress)?;
         cameras = found;
         Ok((prepared, if args.along.option().is_some() { cameras.len() } else { 1 }))
     };
-    let mut stage = RankScene::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
+    let mut stage = RankScene::open((&args.device, sharing.share), ranks, &progress, prepare)?;
     // The first frame pays for pipelines and buffers, and counts lists.
     let first = match stage.share {
         Share::Frames => frame::film(&mut stage, &vec![cameras[0]; ranks.count()], ranks, false)?,

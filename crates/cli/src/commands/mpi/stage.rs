@@ -20,7 +20,6 @@ use super::spread::deal::Spread;
 use super::work::RankWork;
 use crate::commands::Error;
 use crate::commands::bar::Bar;
-use crate::commands::console::Console;
 use crate::commands::limit::usage;
 use crate::commands::mpi_args::Wanted;
 use crate::commands::options::DeviceArgs;
@@ -69,20 +68,17 @@ impl RankScene {
     pub fn open(
         (device, wanted): (&DeviceArgs, Wanted),
         ranks: &Ranks,
-        (console, progress): (Console, &Bar),
+        progress: &Bar,
         prepare: impl FnOnce() -> Result<(Prepared, usize)>,
     ) -> Result<Self, Error> {
         let checked = || {
             let (prepared, frames) = prepare()?;
-            legend::check(&prepared, &console)?;
+            legend::check(&prepared, progress)?;
             Ok((prepared, frames))
         };
         ranks.begin("reading");
         if let Some(all) = ranks.led() {
-            return together(
-                ranks,
-                checked().and_then(|found| Self::spread((device, wanted), all, (console, progress), found)),
-            );
+            return together(ranks, checked().and_then(|found| Self::spread((device, wanted), all, progress, found)));
         }
         let (prepared, frames) = together(ranks, checked())?;
         together(ranks, compare(&identity(&prepared), ranks))?;
@@ -92,17 +88,17 @@ impl RankScene {
         let by_windows =
             ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && prepared.assembled.shadow_texture.is_none();
         ranks.begin("uploading");
-        let mut session = together(ranks, open(device, prepared, by_windows, ranks, (console, progress)))?;
+        let mut session = together(ranks, open(device, prepared, by_windows, ranks, progress))?;
         // Method and opacity, too, are those of the first rank.
         session.frame = told(session.frame, ranks);
         session.frame.depths = session.prepared.request.frame.depths;
         let job = together(ranks, job(&mut session, frames))?;
         let share = together(ranks, job.choose(wanted, ranks.count(), link))?;
         if ranks.is_first() {
-            session.describe(&console);
-            session.warn(&console);
+            session.describe(progress);
+            session.warn(progress);
             if ranks.count() > 1 {
-                console.detail(format_args!("{} ranks share {share}", ranks.count()));
+                progress.console.detail(format_args!("{} ranks share {share}", ranks.count()));
             }
         }
         Ok(Self { session, share, job, link, spread: None, costs: None, last: None })
@@ -112,13 +108,13 @@ impl RankScene {
     fn spread(
         asked: (&DeviceArgs, Wanted),
         all: &Ranks,
-        (console, progress): (Console, &Bar),
+        progress: &Bar,
         (prepared, frames): (Prepared, usize),
     ) -> Result<Self> {
-        let (session, spread) = spread::open(asked, prepared, all, (console, progress))?;
-        session.describe(&console);
-        session.warn(&console);
-        console.detail(spread.described());
+        let (session, spread) = spread::open(asked, prepared, all, progress)?;
+        session.describe(progress);
+        session.warn(progress);
+        progress.console.detail(spread.described());
         let (share, job) = (Share::Windows, Job::of(&session.frame, &session.prepared, frames));
         Ok(Self { session, share, job, link: Link::default(), spread: Some(spread), costs: None, last: None })
     }
@@ -234,13 +230,7 @@ fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
 }
 
 /// Brings the points to the device; the first rank decides the method and the opacity, too.
-fn open(
-    device: &DeviceArgs,
-    prepared: Prepared,
-    by_windows: bool,
-    ranks: &Ranks,
-    (console, progress): (Console, &Bar),
-) -> Result<Session> {
+fn open(device: &DeviceArgs, prepared: Prepared, by_windows: bool, ranks: &Ranks, progress: &Bar) -> Result<Session> {
     // Method and opacity are those of a rank alone, which has all points at once.
     let follows = matches!(prepared.scene().method, MethodChoice::Auto(..)) || prepared.see_through().is_some();
     let is_first = ranks.is_first();
@@ -248,7 +238,7 @@ fn open(
     let device = ranks.device(device)?;
     let mut session = Session::upload(&device, prepared, by_windows && !(is_first && follows), progress)?;
     if is_first {
-        session.decide(&console)?;
+        session.decide(progress)?;
         if by_windows
             && follows
             && let arranged @ Arranged::Canonical(_) = session.assembled().arranged()

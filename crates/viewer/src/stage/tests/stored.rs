@@ -65,7 +65,7 @@ impl Case {
         let Opened { sources, document, .. } = open(LITTLE.host_memory);
         assert!(matches!(sources.clouds(), Clouds::Stored(_)));
         let stage = SceneRenderer::new(device, sources, &LITTLE).unwrap();
-        let Clouds::Held(clouds) = open(u64::MAX).sources.into_clouds() else { panic!("there is memory enough") };
+        let Clouds::Held(clouds) = open(u64::MAX).sources.clouds().clone() else { panic!("there is memory enough") };
         let clouds = clouds.into_iter().map(Arc::unwrap_or_clone).collect();
         Self { _folder: folder, document, stage, clouds }
     }

@@ -25,7 +25,6 @@ use self::deal::{Dealer, Spread};
 use self::orders::Order;
 use super::ranks::Ranks;
 use crate::commands::bar::Bar;
-use crate::commands::console::Console;
 use crate::commands::mpi_args::Wanted;
 use crate::commands::options::DeviceArgs;
 
@@ -40,14 +39,14 @@ pub fn open(
     (device, wanted): (&DeviceArgs, Wanted),
     prepared: Prepared,
     all: &Ranks,
-    (console, progress): (Console, &Bar),
+    progress: &Bar,
 ) -> Result<(Session, Spread)> {
     refuse(wanted, &prepared)?;
     // Method and opacity are those of a rank alone, which has all points at once.
     let by_windows = matches!(prepared.scene().method, MethodChoice::Fixed(_)) && prepared.see_through().is_none();
     progress.begin(Phase::Upload);
     let mut session = Session::upload(&all.device(device)?, prepared, by_windows, progress)?;
-    session.decide(&console)?;
+    session.decide(progress)?;
     session.frame.depths = session.prepared.request.frame.depths;
     let parts = session.frame.method.threshold().map(|threshold| {
         session.uploaded.cloud.find_parts(threshold, progress)?;

@@ -7,7 +7,7 @@ mod rounds;
 mod trial;
 
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use pellucid_core::camera::Camera;
@@ -69,6 +69,19 @@ pub struct Options {
     pub seeds: u32,
     /// The command line.
     pub command: String,
+}
+
+impl Options {
+    /// The extent of a comparison, or of a quick look at one, that began at this time. By default a comparison renders
+    /// for 360 s, and a quick look takes 55 s in all.
+    pub fn new(is_quick: bool, begin: Instant, only: Vec<String>, seconds: Option<f64>, command: String) -> Self {
+        let (ladders, rounds, seeds, most) =
+            if is_quick { (Ladders::QUICK, 3, 4, 55.0) } else { (Ladders::FULL, 10, 8, 360.0) };
+        let seconds = seconds.unwrap_or(most);
+        // A time beyond what a clock can hold is no limit.
+        let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
+        Self { ladders, only, seconds, end: end.filter(|_| is_quick), rounds, seeds, command }
+    }
 }
 
 /// See [`Options::seconds`].
