@@ -74,7 +74,7 @@ binaries() {
 device_suites=(gpu lab cli)
 # Suites that run beside them: on the host alone, or waiting for windows most of the time. Units and examples are among
 # them. `cargo test` without any target would build all examples, which clippy does faster.
-units=(--lib --bins --example drivers --example gpu-shape --example study)
+units=(--lib --example drivers --example gpu-shape --example study)
 other_suites=()
 for name in $(binaries | sort -u); do
     if [[ " ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
