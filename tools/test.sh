@@ -74,7 +74,7 @@ binaries() {
 device_suites=(gpu lab cli)
 # Suites that run beside them: on the host alone, or waiting for windows most of the time. Units and examples are among
 # them. `cargo test` without any target would build all examples, which clippy does faster.
-units=(--lib --bins --example drivers --example gpu-shape --example study)
+units=(--lib --example drivers --example gpu-shape --example study)
 other_suites=()
 for name in $(binaries | sort -u); do
     if [[ " ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
@@ -148,16 +148,12 @@ suites() {
     both "$beside" run_others "${device_suites[*]}" run_devices
 }
 
-# What CI demands of the programs. PELLUCID_CHECKS=0: shaders as a release build has them.
-shaders_of_programs() {
+# What CI demands of the programs. Python's tests run one at a time and keep a core busy; each of the others takes all
+# that are free. PELLUCID_CHECKS=0: shaders as a release build has them.
+beside_python() {
     local status=0
     PELLUCID_CHECKS=0 "$target/debug/examples/gpu-shape" --check || status=1
     tools/barriers.sh || status=1
-    return $status
-}
-guests() {
-    local status=0
-    tools/python.sh || status=1
     tools/mpi.sh || status=1
     return $status
 }
@@ -181,5 +177,5 @@ if has programs; then
     step "building the programs"
     cargo build "${workspace[@]}" --bins --example gpu-shape
     export PELLUCID_BINARY=$target/debug/pellucid
-    both "registers and barriers" shaders_of_programs "Python and MPI" guests
+    both "registers, barriers and MPI" beside_python Python tools/python.sh
 fi
