@@ -107,7 +107,8 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
         progress.inc(1);
     }
     session.add_phases(&mut profile);
-    let copy_rate = profile::copy_rate(&session.device)?;
+    // The table's alone.
+    let copy_rate = if args.json { None } else { Some(profile::copy_rate(&session.device)?) };
     progress.finish_and_clear();
     if !moves {
         (profile.facts.fragments, profile.facts.max_list) = counted_facts;
@@ -118,7 +119,7 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
     if args.json {
         return console.print_json(&json);
     }
-    console.print(&format!("{}\n", pellucid_lab::profile_table(&profile, Some(copy_rate))))
+    console.print(&format!("{}\n", pellucid_lab::profile_table(&profile, copy_rate)))
 }
 
 /// Renders a frame with counted lists, for methods that don't need the counts; its times must not be used.

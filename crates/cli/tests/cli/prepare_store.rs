@@ -75,9 +75,11 @@ fn inputs_and_options_that_make_no_store_are_refused() {
     }
 }
 
-/// Makes a store in many small steps, with a fault if there is one.
+/// Makes a store in many small steps, with a fault if there is one. Few neighbors are found in a fifth of the time, and
+/// change no file's size.
 fn prepare(folder: &TempDir, output: &str, node_points: &str, fault: Option<&str>) -> Output {
-    let args = ["prepare", "a.las", "-o", output, "-q", "--host-memory", "1MiB", "--node-points", node_points];
+    let small = ["-q", "--host-memory", "1MiB", "--neighbors", "8", "--node-points", node_points];
+    let args = [&["prepare", "a.las", "-o", output], &small[..]].concat();
     let mut command = pellucid(folder, &args);
     if let Some(fault) = fault {
         command.env("PELLUCID_FAULT", fault);
@@ -146,7 +148,7 @@ fn a_run_that_ends_anywhere_goes_on() {
     let killed = [("byte", 10_000), ("create", 1), ("rename", 1)].map(|(point, step)| {
         (1..).take_while(|at| ends_early(&scan, &format!("output/{point}:{}", step * at))).count()
     });
-    assert!(killed.iter().sum::<usize>() > 40, "{killed:?}");
+    assert!(killed.iter().sum::<usize>() > 70, "{killed:?}");
 }
 
 #[test]

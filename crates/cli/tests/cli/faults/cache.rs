@@ -7,11 +7,15 @@ use std::process::Command;
 use pellucid_testing::shader_cache;
 use tempfile::TempDir;
 
-use super::{RENDER_EXR, command, files, has_device, place, text};
+use super::{command, files, has_device, place, text};
+
+/// A picture by several shaders that compile soon.
+const RENDER: [&str; 9] =
+    ["render", "in/scene.toml", "-q", "--size", "40x30", "--method", "weighted", "-o", "out/a.exr"];
 
 /// Renders with a cache; the picture, after a run without a word.
 fn picture(folder: &TempDir, cache: &Path) -> Vec<u8> {
-    let run = command(folder.path(), RENDER_EXR.args);
+    let run = command(folder.path(), &RENDER);
     picture_of(run, folder, cache)
 }
 
@@ -32,7 +36,7 @@ fn no_cache_changes_a_picture() {
     let folder = place();
     let cache = folder.path().join("cache");
     // Neither this program nor the driver has anything cached.
-    let mut cold = command(folder.path(), RENDER_EXR.args);
+    let mut cold = command(folder.path(), &RENDER);
     cold.env("MESA_SHADER_CACHE_DIR", folder.path().join("driver"));
     let wanted = picture_of(cold, &folder, &cache);
     assert!(picture(&folder, &shader_cache()) == wanted, "caches that other tests filled");
@@ -82,7 +86,7 @@ fn without_a_home_there_is_a_picture_and_nothing_else() {
     let wanted = picture(&folder, &folder.path().join("cache"));
     for set_empty in [false, true] {
         let before = files(folder.path());
-        let mut run = command(folder.path(), RENDER_EXR.args);
+        let mut run = command(folder.path(), &RENDER);
         let home = folder.path().join("nowhere");
         run.env_remove("PELLUCID_CACHE_DIR").env_remove("HOME").env("XDG_CACHE_HOME", &home);
         if set_empty {

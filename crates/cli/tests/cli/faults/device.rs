@@ -7,8 +7,11 @@ use pellucid_scene::{Family, Method};
 use pellucid_testing::long_or;
 
 use super::checker::{Allowed, complaints};
-use super::{PROFILE, RENDER_EXR, assert_failed, command, files, has_device, place, text};
+use super::{assert_failed, command, files, has_device, place, text};
 
+const RENDER: [&str; 7] = ["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.exr"];
+const PROFILE: [&str; 10] =
+    ["profile", "in/scene.toml", "-q", "--size", "16x12", "--frames", "1", "--profile", "out/p.json", "--json"];
 const LIGHT: [&str; 11] = [
     "prepare",
     "in/cloud.ply",
@@ -31,7 +34,7 @@ const STRESS: [&str; 11] =
 /// same.
 fn for_renders(methods: impl IntoIterator<Item = Method>, check: impl Fn(&[&str])) {
     for method in methods {
-        let plain = [RENDER_EXR.args, &["--method", method.name()]].concat();
+        let plain = [&RENDER[..], &["--method", method.name()]].concat();
         check(&plain);
         for setting in method.also() {
             let setting = format!("method.{setting}");
@@ -81,15 +84,15 @@ fn a_lost_device_is_an_error_that_says_what_helps() {
         return;
     }
     for fault in ["submit", "wait", "submit:2", "wait:4"] {
-        assert!(assert_lost(RENDER_EXR.args, &format!("device-lost@{fault}")), "{fault}");
+        assert!(assert_lost(&RENDER, &format!("device-lost@{fault}")), "{fault}");
     }
     for_renders(Method::all(), |args| assert!(assert_lost(args, "device-lost@wait:3"), "{args:?}"));
     let others: [(&[&str], &str); 4] =
-        [(PROFILE.args, "wait:9"), (&LIGHT, "submit:3"), (&TRADEOFF, "wait:2"), (&STRESS, "wait:8")];
+        [(&PROFILE, "wait:9"), (&LIGHT, "submit:3"), (&TRADEOFF, "wait:2"), (&STRESS, "wait:8")];
     for (args, point) in others {
         assert!(assert_lost(args, &format!("device-lost@{point}")), "{args:?}");
     }
-    assert!(!assert_lost(RENDER_EXR.args, "device-lost@submit:100000"), "a fault that never comes is none");
+    assert!(!assert_lost(&RENDER, "device-lost@submit:100000"), "a fault that never comes is none");
 }
 
 #[test]
@@ -98,14 +101,14 @@ fn too_little_memory_on_the_device_is_an_error_that_names_what_needed_it() {
         return;
     }
     for nth in [1, 4, 12] {
-        assert!(assert_out_of_memory(RENDER_EXR.args, &format!("out-of-memory@allocate:{nth}")), "{nth}");
+        assert!(assert_out_of_memory(&RENDER, &format!("out-of-memory@allocate:{nth}")), "{nth}");
     }
     for_renders(Method::all(), |args| {
         assert!(assert_out_of_memory(args, "out-of-memory@allocate:15"), "{args:?}");
     });
     assert!(assert_out_of_memory(&LIGHT, "out-of-memory@allocate:5"));
     assert!(assert_out_of_memory(&TRADEOFF, "out-of-memory@allocate:10"));
-    let busy = failed(RENDER_EXR.args, "out-of-memory@submit:2").unwrap();
+    let busy = failed(&RENDER, "out-of-memory@submit:2").unwrap();
     assert_failed(&busy, "a submission", &["vkQueueSubmit2", "out of device memory", "--memory-budget or --size"]);
 }
 
@@ -116,9 +119,10 @@ fn a_device_that_fails_at_any_time() {
         return;
     }
     for_renders(Family::ALL.iter().flat_map(|family| family.methods().step_by(3)), |args| {
-        for point in ["submit", "wait"] {
-            (1..).step_by(long_or(1, 7)).find(|nth| !assert_lost(args, &format!("device-lost@{point}:{nth}")));
-        }
+        let lost = |point: &str, nth: usize| assert_lost(args, &format!("device-lost@{point}:{nth}"));
+        let submissions = (1..).step_by(long_or(1, 7)).take_while(|nth| lost("submit", *nth));
+        // Each is waited for.
+        submissions.for_each(|nth| assert!(lost("wait", nth), "{args:?}: submission {nth} is not waited for"));
         (1..).step_by(long_or(1, 16)).find(|nth| !assert_out_of_memory(args, &format!("out-of-memory@allocate:{nth}")));
     });
 }
@@ -176,7 +180,7 @@ fn a_check_on_a_device_that_is_lost_fails_and_says_so() {
         return;
     }
     let folder = place();
-    let mut run = command(folder.path(), &["check", "abuffer/", "--json"]);
+    let mut run = command(folder.path(), &["check", "abuffer/list-of", "--json"]);
     let output = run.env("PELLUCID_FAULT", "device-lost@wait:3").env("PELLUCID_VALIDATION", "1").output().unwrap();
     assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(1), ""));
     assert!(text(&output.stdout).contains("the device was lost during "));

@@ -9,8 +9,8 @@ use pellucid_testing::skip::{NO_FILE_LIMIT, NO_MOUNTS, skip};
 
 use super::checker::{Allowed, complaints};
 use super::{
-    COMPARE, Case, PREPARE, RENDER_DEEP, RENDER_EXR, RENDER_PNG, SCENE, assert_failed, cases, command, done, files,
-    has_device, place, put_old, text, with_fault,
+    COMPARE, Case, PREPARE, RENDER_DEEP, RENDER_EXR, RENDER_PNG, SCENE, assert_failed, cases, command, files,
+    has_device, place, put_old, text, with_fault, written,
 };
 
 fn allowed(case: Case) -> Allowed {
@@ -37,7 +37,7 @@ fn assert_full(case: Case, fault: &str) {
 
 /// Places of the output; the fault takes one: in a header, in the middle, at the end.
 fn sweep(case: Case, places: usize) {
-    let bytes: usize = done(place().path(), case).values().map(Vec::len).sum();
+    let bytes: usize = written(case).values().map(Vec::len).sum();
     // Measured figures have more or fewer digits, so that their end isn't known beforehand.
     let last = if case.repeats { bytes } else { bytes * 9 / 10 };
     let mut at: Vec<usize> = (0..=places).map(|i| 1 + (last - 1) * i / places).collect();
@@ -75,7 +75,7 @@ fn in_shell(folder: &Path, case: Case, before: &str) -> Output {
 
 /// Limits files to each of `kib` KiB; asserts that a case fails as long as they are too small, and not after that.
 fn limited(case: Case, kib: &[usize]) {
-    let largest = done(place().path(), case).values().map(Vec::len).max().unwrap();
+    let largest = written(case).values().map(Vec::len).max().unwrap();
     for trap in ["", "trap '' XFSZ; "] {
         for limit in kib {
             let folder = place();
