@@ -129,9 +129,9 @@ fn bands_and_windows_and_the_way_of_sorting_change_no_byte() {
 #[test]
 fn whichever_method_ran_before_the_budget_holds() {
     with_new_device(|device| {
-        let size = [256, 256];
+        let size = [512, 512];
         let points = stack(size);
-        let budget = 16u64 << 20;
+        let budget = 64u64 << 20;
         let mut renderer = Renderer::new(device).expect("a renderer");
         let mut cloud = renderer.upload(&points).expect("fits");
         let in_place = Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..Discs::default() });
