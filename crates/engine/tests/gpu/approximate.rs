@@ -348,7 +348,7 @@ fn only_unsorted_and_mlab_ask_for_the_order_of_the_files() {
 #[test]
 fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
     with_device(|device| {
-        let size = [80, 48];
+        let size = [64, 32];
         // Every tile has some 2500 splats, of which a run takes 2048.
         let points =
             scene(&[soup(41, 2300, 2.0..3.0, 0.001..0.02, true), soup(42, 300, 0.0..0.1, 0.1..0.9, true)].concat());
@@ -386,7 +386,7 @@ fn the_state_of_pixels_is_within_the_budget() {
     with_device(|device| {
         // Few splats over many pixels, so that what runs leave to each other takes more memory than all else.
         let size = [300, 200];
-        let points = scene(&soup(43, 3000, 2.0..3.0, 0.001..0.01, true));
+        let points = scene(&soup(43, 2300, 2.0..3.0, 0.001..0.01, true));
         let discs = Discs { shape: DiscShape::Oriented, ..Discs::default() };
         let of = |method, memory_budget| {
             let frame = Frame { fragments: false, memory_budget, ..frame(perspective(), size, method) };

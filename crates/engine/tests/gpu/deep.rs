@@ -150,13 +150,15 @@ fn samples_are_the_fragments_and_flatten_to_the_image() {
     with_device(|device| {
         let points = discs();
         let mut longest = 0;
-        for camera in [perspective(), orthographic()] {
-            for discs in all_discs().filter(|discs| discs.raster == RASTERS[0]) {
-                let mut methods = vec![Method::ABuffer(discs), Method::LinkedList(discs), peeled(discs, 0)];
+        for (i, camera) in [perspective(), orthographic()].into_iter().enumerate() {
+            for (j, discs) in all_discs().filter(|discs| discs.raster == RASTERS[0]).enumerate() {
+                let mut others = vec![Method::LinkedList(discs), peeled(discs, 0)];
                 // Oriented discs that cross are blended in another order.
-                methods.extend((discs.shape == DiscShape::Flat).then_some(Method::Sorted(discs)));
+                others.extend((discs.shape == DiscShape::Flat).then_some(Method::Sorted(discs)));
+                // By turns: every pair of camera, discs and method.
+                let others = others.into_iter().skip((i + j) % 2).step_by(2);
                 let mut first = None;
-                for method in methods {
+                for method in [Method::ABuffer(discs)].into_iter().chain(others) {
                     let frame = frame(camera, [40, 30], method);
                     let image = render(device, &points, &frame);
                     let [tidy, sorted] = STATES.map(|state| deep_of(device, &points, &frame, state));

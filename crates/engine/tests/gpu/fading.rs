@@ -140,8 +140,9 @@ fn soups_and_crossing_discs_are_those_of_the_reference() {
     with_device(|device| {
         let size = [36, 28];
         let mixed = [soup(3, 700, 0.02..0.15, 0.0..1.0, true), soup(4, 30, 0.2..2.0, 0.05..0.4, true)].concat();
-        for camera in [perspective(), orthographic()] {
-            for discs in shapes() {
+        for (i, camera) in [perspective(), orthographic()].into_iter().enumerate() {
+            // Shapes by turns with falloffs: every pair of camera, shape, falloff and method.
+            for (_, discs) in shapes().enumerate().filter(|(n, _)| (n + n / 2 + i) % 2 == 0) {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
                 let (lists, colors) = (lists(&camera, size, &points, &discs), colors(&points));
                 assert!(lists.iter().map(Vec::len).max() > Some(9));
@@ -316,7 +317,7 @@ fn opacities_of_0_and_1() {
 #[test]
 fn neither_order_of_input_nor_windows_nor_runs_over_a_tile_change_a_byte() {
     with_device(|device| {
-        let size = [48, 32];
+        let size = [32, 32];
         // Every tile has some 2500 splats, of which a run takes 1024 or 2048; depths on few levels, so that there are
         // ties.
         let mut soup = [soup(41, 2300, 2.0..3.0, 0.001..0.02, true), soup(42, 300, 0.0..0.1, 0.1..0.9, true)].concat();

@@ -107,7 +107,7 @@ fn compare(ranks: &mut [Rank], frame: &Frame, what: &str) {
     for rank in &mut ranks[1..] {
         assert!(all(&rank.render(frame)) == all(&expected), "{what}: {:?} renders something else", rank.budget);
     }
-    for (count, seed) in [(1, 1), (2, 2), (3, 3), (5, 4)] {
+    for (count, seed) in [(1, 1), (2, 2), (5, 4)] {
         let cuts = parts_of(steps, count, seed);
         let count = ranks.len();
         let draw = |(i, samples): (usize, &Range<u32>)| ranks[i % count].part(frame, samples.clone());
@@ -120,9 +120,9 @@ fn compare(ranks: &mut [Rank], frame: &Frame, what: &str) {
             assert_eq!(found.stderr.is_some(), expected.stderr.is_some());
             assert_eq!(found.fragments.is_some(), expected.fragments.is_some());
         }
-        // The next frames of the renderers are as before.
-        assert!(all(&ranks[0].render(frame)) == all(&expected), "{what}: after {cuts:?}");
     }
+    // The next frames of the renderers are as before.
+    assert!(all(&ranks[0].render(frame)) == all(&expected), "{what}: after parts");
 }
 
 fn dealt_ranks(device: &Device, list: &Dealt, budgets: &[Option<u64>]) -> Vec<Rank> {
@@ -278,14 +278,17 @@ fn parts_of_samples_where_nothing_is_are_the_whole() {
     with_device(|device| {
         let all_behind = [P { position: DVec3::new(0.0, 0.0, 1e6), ..soup(1, 1, 0.1..0.2, 0.1..0.2, true)[0] }];
         let corner = soup(1, 1, 0.01..0.02, 0.5..0.6, true);
-        for dots in [&all_behind[..], &corner[..]] {
-            for (samples, correction) in [(4, true), (3, false), (40, true), (40, false)] {
-                for raster in [Raster::Compute, Raster::Auto] {
-                    let discs = Discs { raster, ..Discs::default() };
-                    let mut ranks = sampled_ranks(device, &scene(dots), &[None, Some(300_000)]);
-                    let frame = frame(perspective(), [150, 100], stochastic(discs, samples, correction));
-                    compare(&mut ranks, &frame, &format!("{samples} samples, {correction}"));
-                }
+        for (i, dots) in [&all_behind[..], &corner[..]].into_iter().enumerate() {
+            for (j, (samples, correction)) in [(4, true), (3, false), (40, true), (40, false)].into_iter().enumerate() {
+                // By turns, so that every pair of points, samples and rasterizer is met.
+                let raster = [Raster::Compute, Raster::Auto][(i + j) % 2];
+                let discs = Discs { raster, ..Discs::default() };
+                let mut ranks = sampled_ranks(device, &scene(dots), &[None, Some(300_000)]);
+                let frame = frame(perspective(), [150, 100], stochastic(discs, samples, correction));
+                compare(&mut ranks, &frame, &format!("{samples} samples, {correction}"));
+                let facts = ranks[1].draw(&frame, 0..samples.min(16)).facts;
+                println!("{samples} samples, {correction}: {} windows", facts.windows);
+                assert!(facts.windows > 1, "{facts:?}");
             }
         }
     });

@@ -87,9 +87,11 @@ fn the_bytes_are_those_of_abuffer() {
             p.opacity = p.opacity.min(1.0);
         }
         let crossing = [soup(22, 2000, 0.0..0.1, 0.0..0.9, true), soup(23, 20, 0.5..3.0, 0.1..0.3, true)].concat();
-        for (points, camera) in [(tied, orthographic()), (crossing, perspective())] {
+        for (i, (points, camera)) in [(tied, orthographic()), (crossing, perspective())].into_iter().enumerate() {
             let points = scene(&points);
-            for discs in all_discs() {
+            // Half of them, so that any three of points, shape, falloff and rasterizer meet in every way.
+            let half = all_discs().enumerate().filter(|(n, _)| (n.count_ones() as usize + i) % 2 == 0);
+            for (_, discs) in half {
                 let mut frame = frame(camera, [97, 77], Method::ABuffer(discs));
                 frame.shading = Shading { model: ShadingModel::Lambert, ..Shading::default() };
                 frame.color = ColorSpace::Encoded;
@@ -125,7 +127,7 @@ fn pixel(method: Method) -> Frame {
 #[test]
 fn stacks_over_many_batches_equal_the_reference() {
     with_device(|device| {
-        for n in [1usize, 2, 15, 16, 17, 32, 256, 600, 3000] {
+        for n in [1usize, 2, 15, 16, 17, 32, 256, 600, 1500] {
             let opacity = (3.0 / n as f32).min(0.5);
             let mut layers: Vec<_> = (0..n)
                 .map(|i| {

@@ -1,12 +1,13 @@
 //! Every shader and variant parses, validates and agrees with its Rust declaration. No device is needed.
 
 use std::collections::{BTreeSet, HashSet};
+use std::sync::LazyLock;
 
 use pellucid_engine::passes::scan;
 use pellucid_engine::{SHADERS, pass};
 use pellucid_gpu as gpu;
 use pellucid_gpu::gpu_struct;
-use pellucid_gpu::shader::{self, Shader, ShaderStage, WORKGROUP};
+use pellucid_gpu::shader::{self, Reflection, Shader, ShaderStage, WORKGROUP};
 use pellucid_gpu::{Pass, Variant};
 
 /// The vertex shader of every pass that draws, which no pass names.
@@ -25,6 +26,18 @@ fn texts(shader: &Shader) -> impl Iterator<Item = &Variant> {
     shader.variants.iter().filter(move |v| known.insert(Variant { overrides: Vec::new(), ..(*v).clone() }.key()))
 }
 
+/// A pass with a variant for each text, and what the text says.
+type Reflected = (Shader, Vec<(Variant, Reflection)>);
+
+static REFLECTED: LazyLock<Vec<Reflected>> = LazyLock::new(|| {
+    let reflected = |shader: Shader| {
+        let of = |variant: &Variant| (variant.clone(), shader.reflection(variant).expect("a valid shader"));
+        let all = texts(&shader).map(of).collect();
+        (shader, all)
+    };
+    shaders().into_iter().map(reflected).collect()
+});
+
 /// Checks shaders against their passes; returns the number of variants.
 fn checked(shaders: Vec<Shader>) -> usize {
     let check = |shader: Shader| {
@@ -38,9 +51,9 @@ fn checked(shaders: Vec<Shader>) -> usize {
 /// A variant that a frame runs and that is in no pair here is compiled, and validated, by the tests of its method.
 #[test]
 fn every_shader_matches_its_pass_in_every_pair_of_choices() {
-    let (all, fewer) = (shaders(), shaders().into_iter().map(Shader::in_pairs_of_choices).collect());
-    let all: usize = all.iter().map(|shader| shader.variants.len()).sum();
-    let checked = checked(fewer);
+    let shaders = shaders();
+    let all: usize = shaders.iter().map(|shader| shader.variants.len()).sum();
+    let checked = checked(shaders.into_iter().map(Shader::in_pairs_of_choices).collect());
     println!("{checked} of {all} variants");
     assert!(checked < all);
 }
@@ -63,9 +76,8 @@ fn every_shader_file_belongs_to_a_pass() {
 #[test]
 fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
     const SINGLE: [&str; 3] = ["abuffer/groups", "abuffer/run_groups", "peel/next"];
-    for shader in shaders() {
-        for variant in texts(&shader) {
-            let reflection = shader.reflection(variant).expect("a valid shader");
+    for (shader, texts) in &*REFLECTED {
+        for (variant, reflection) in texts {
             if shader.pass.shader.starts_with("stochastic/draw_") {
                 assert_eq!(reflection.stage, ShaderStage::Fragment, "{}", shader.pass.shader);
             } else if reflection.stage == ShaderStage::Fragment {
@@ -113,11 +125,10 @@ const FIXED: [(&str, &str); 20] = [
 #[test]
 fn variants_make_every_choice_in_more_than_one_way() {
     let (mut declared, mut made, mut alike) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-    for shader in shaders() {
-        for variant in texts(&shader) {
-            for name in shader.reflection(variant).expect("a valid shader").overrides {
-                let value =
-                    |v: &Variant| v.overrides.iter().find(|(n, _)| *n == name).map(|(_, value)| value.to_bits());
+    for (shader, texts) in &*REFLECTED {
+        for (_, reflection) in texts {
+            for name in &reflection.overrides {
+                let value = |v: &Variant| v.overrides.iter().find(|(n, _)| n == name).map(|(_, value)| value.to_bits());
                 let values: HashSet<Option<u64>> = shader.variants.iter().map(value).collect();
                 if values.iter().any(Option::is_some) {
                     made.insert(name.clone());
@@ -125,7 +136,7 @@ fn variants_make_every_choice_in_more_than_one_way() {
                         alike.insert((shader.pass.shader, name.clone()));
                     }
                 }
-                declared.insert(name);
+                declared.insert(name.clone());
             }
         }
     }

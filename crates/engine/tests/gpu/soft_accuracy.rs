@@ -192,18 +192,20 @@ fn deviation(case: &Case, image: &Image, reference: &ReferencePicture, doubtful:
     }
 }
 
-/// Renders everything by every method and density; prints the worst deviations, and fails after the last.
+/// Renders every pair of case, density and method in a third of all combinations; prints the worst deviations, and
+/// fails after the last.
 fn check(device: &Device, cases: &[Case], densities: &[Density]) {
     check_with(device, cases, densities, soft);
 }
 
-/// Renders and compares everything, like [`check`], with settings for each density.
+/// Renders and compares like [`check`], with settings for each density.
 fn check_with(device: &Device, cases: &[Case], densities: &[Density], settings: impl Fn(Density) -> Soft) {
     let mut wrong = Vec::new();
-    for case in cases {
+    assert!(cases.len() >= 3 && densities.len() >= 3, "too few for every pair");
+    for (i, case) in cases.iter().enumerate() {
         let doubtful = case.doubtful();
-        for density in densities {
-            for method in methods(settings(*density)) {
+        for (j, density) in densities.iter().enumerate() {
+            for method in methods(settings(*density)).into_iter().skip((2 * (i + j)) % 3).step_by(3) {
                 let (reference, image) = (case.reference(method), case.image(device, method));
                 let found = deviation(case, &image, &reference, &doubtful);
                 let Deviation { rgba, depth, lengths } = found;
@@ -395,12 +397,9 @@ fn two_thousand_spheres_open_at_once() {
         let towards = DVec3::new(0.3, 0.4, 1.0).normalize();
         let cases = [("perspective", fov(2.0)), ("orthographic", Projection::Orthographic { height: 0.2 })].map(
             |(name, projection)| {
-                Case::new(name, &spheres, looking(towards * 5.0, DVec3::ZERO, projection, 0.1), [4, 3])
+                Case::new(name, &spheres, looking(towards * 5.0, DVec3::ZERO, projection, 0.1), [3, 2])
             },
         );
-        for case in &cases {
-            assert_eq!(case.reference(Method::SoftBase(Soft::default())).counts, [2000; 12]);
-        }
         for (density, method) in [
             (Density::Softness(0.0005), Method::SoftBase as fn(Soft) -> Method),
             (Density::Softness(0.01), Method::SoftBase),
@@ -408,7 +407,9 @@ fn two_thousand_spheres_open_at_once() {
         ] {
             for case in &cases {
                 let method = method(soft(density));
-                let found = deviation(case, &case.image(device, method), &case.reference(method), &case.doubtful());
+                let reference = case.reference(method);
+                assert_eq!(reference.counts, [2000; 6]);
+                let found = deviation(case, &case.image(device, method), &reference, &case.doubtful());
                 println!("{} {}, {density:?}: {found:?}", case.name, describe(method));
                 assert!(found.rgba <= BOUND && found.depth <= DEPTH_BOUND && found.lengths == 0, "{found:?}");
             }

@@ -93,16 +93,17 @@ fn compile_stage(pass: &Declaration, stem: &str, variant: &Variant, all_bindings
 }
 
 /// Compiles variants of a pass's shader and compares them with the declaration, past the cache. Variants that differ in
-/// overrides alone have the same text, which is parsed once.
+/// overrides alone have the same text, which is composed and parsed once.
 ///
 /// # Errors
 /// If one is no valid WGSL, differs from the declaration, or lacks an override that it sets.
 pub fn check(pass: &Declaration, variants: &[Variant]) -> Result<(), Error> {
     let mut texts: HashMap<String, Vec<&Variant>> = HashMap::new();
     for variant in variants {
-        texts.entry(source(pass, pass.shader, variant)?).or_default().push(variant);
+        texts.entry(Variant { overrides: Vec::new(), ..variant.clone() }.key()).or_default().push(variant);
     }
-    for (source, variants) in texts {
+    for variants in texts.into_values() {
+        let source = source(pass, pass.shader, variants[0])?;
         let module = parse(pass.shader, &source)?;
         check_declaration(pass.shader, &module, &(pass.bindings)(), (pass.push_shape)().as_ref(), true)?;
         let info = validated(pass.shader, &source, &module)?;
