@@ -198,9 +198,9 @@ mod tests {
         let parent = tempfile::tempdir().unwrap();
         let path = parent.path().join("picture.png");
         let staged = Staged::write(&path, |out| out.write_all(b"whole")).unwrap();
-        std::fs::create_dir(&path).unwrap();
+        fs::create_dir(&path).unwrap();
         staged.publish(&path).unwrap_err();
         assert!(path.is_dir());
-        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
+        assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 1);
     }
 }

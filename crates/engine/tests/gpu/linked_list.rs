@@ -95,14 +95,14 @@ fn stack(size: [u32; 2]) -> Points {
 #[test]
 fn bands_and_windows_and_the_way_of_sorting_change_no_byte() {
     with_device(|device| {
-        let size = [80, 60];
+        let size = [96, 72];
         let points = stack(size);
         let wanted =
             bits(&render(device, &points, &frame(pixel_camera(size), size, Method::ABuffer(Discs::default()))));
         for long_lists in [LongLists::Merge, LongLists::InPlace] {
             let method = Method::LinkedList(Discs { long_lists, ..Discs::default() });
             let mut frame = frame(pixel_camera(size), size, method);
-            for (budget, bands) in [(None, 1), (Some(3u64 << 20), 9), (Some(512 << 10), 55), (Some(256 << 10), 100)] {
+            for (budget, bands) in [(None, 1), (Some(4u64 << 20), 10), (Some(512 << 10), 80), (Some(256 << 10), 150)] {
                 frame.memory_budget = budget;
                 let cut = rendered(device, &points, &frame);
                 assert!(cut.facts.bands >= bands, "{:?}", cut.facts);

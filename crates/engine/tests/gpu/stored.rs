@@ -475,7 +475,7 @@ fn points_without_normals_are_told_of_where_they_would_count() {
 #[test]
 fn shadows_are_cast_by_all_points_of_stores() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "lit", cloud(1, 25_000));
+    let path = store(folder.path(), "lit", cloud(1, 40_000));
     // Hard and soft ones of the sun, and those of a lamp among the points, which takes six images.
     let lights = [
         ("light = [0.3, 0.2, -0.9]", "samples = 1"),

@@ -22,7 +22,7 @@ fn every_method_renders_the_same_bytes_window_by_window() {
         let mut renderer = Renderer::new(device).expect("a renderer");
         let mut differ = Vec::new();
         for method in Method::all().into_iter().filter(|method| !method.is_dealt()) {
-            let whole = Frame { fragments: true, ..frame(perspective(), [96, 72], method) };
+            let whole = Frame { fragments: true, ..frame(perspective(), [160, 120], method) };
             let mut cloud = renderer.upload(&*points).expect("room for the points");
             let expected = renderer.render(&mut cloud, &whole).expect("a frame");
             // Room for some 30,000 points.
@@ -48,7 +48,7 @@ fn every_method_renders_the_same_bytes_window_by_window() {
                                 .count();
                             let first = pixels
                                 .first()
-                                .map(|i| (i % 96, i / 96, a.rgba[*i], b.rgba[*i], a.depth[*i], b.depth[*i]));
+                                .map(|i| (i % 160, i / 160, a.rgba[*i], b.rgba[*i], a.depth[*i], b.depth[*i]));
                             differ.push(format!(
                                 "{} ({pass}): {} pixels, first {first:?}, {counts} counts, {} windows",
                                 method.name(),

@@ -217,14 +217,14 @@ impl StoreFragments for InOrder<'_> {
         let Counting { raster, counts, .. } = counting;
         let tiles = self.bins.record_tiles(recorder, raster.cloud, self.binned)?;
         let whole = Band::whole(raster.window, 0);
-        Ok(tiles.record(recorder, raster.window, &whole, |tiles| CountTiles { tiles, counts })?)
+        tiles.record(recorder, raster.window, &whole, |tiles| CountTiles { tiles, counts })
     }
 
     fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error> {
         let Storing { raster, band, room, .. } = storing;
         let (cursors, indices) = (room.counts.get().all(), room.fragments.get().all().cast());
         let tiles = self.bins.tiles(raster.cloud, self.binned);
-        Ok(tiles.record(recorder, raster.window, &band, |tiles| StoreTiles { tiles, cursors, indices })?)
+        tiles.record(recorder, raster.window, &band, |tiles| StoreTiles { tiles, cursors, indices })
     }
 
     fn record_blend<'a>(&'a self, recorder: &mut Recorder<'a>, blending: &Blending<'a>) -> Result<(), Error> {
