@@ -30,7 +30,8 @@ pub fn map<T: Zeroable + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> 
     values
 }
 
-/// Returns runs of so many elements, one behind the other. `write` is given the number of a run and its elements, zeros.
+/// Returns `count` runs of `run` elements, one behind the other. `write` is given the number of a run and its elements,
+/// zeros.
 pub fn runs<T: Zeroable + Send>(count: usize, run: usize, write: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
     let (mut values, run) = (zeroed_vec(count * run), run.max(1));
     for_parts(&mut values, run, &|first, part: &mut [T]| {

@@ -66,7 +66,8 @@ impl<T: GpuType> PushConstants for T {
 /// Bytes of push constants that every device has.
 pub const PUSH_BYTES: usize = 128;
 
-/// What a pass declares. Code that takes it as data is compiled once, and not for each of some hundred passes.
+/// Names, bindings and push constants of a pass. Code that takes them as data is compiled once, and not for each of
+/// some hundred passes.
 #[derive(Debug, Clone, Copy)]
 pub struct Declaration {
     /// Method and stage, as in `abuffer/store`: the timing label too.
@@ -98,7 +99,7 @@ impl Declaration {
 
 /// A pass: a struct of named buffers and textures. Made by [`pass!`](crate::pass).
 pub trait Pass {
-    /// What it declares.
+    /// Names, bindings and push constants.
     const DECLARATION: Declaration;
     /// The push constants that every run and draw takes.
     type Push: PushConstants;

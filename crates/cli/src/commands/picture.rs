@@ -97,8 +97,8 @@ fn picture(
     Ok(())
 }
 
-/// Writes a rendered image. List lengths and layers are as they were afterwards, if they are written or were counted for
-/// a profile.
+/// Writes a rendered image. List lengths and layers are as they were afterwards, if they are written or were counted
+/// for a profile.
 pub fn write(
     job: &RenderJob,
     session: &Session,

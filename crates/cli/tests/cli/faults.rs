@@ -238,7 +238,7 @@ fn done(folder: &Path, case: Case) -> Files {
     ours
 }
 
-/// What a case writes where there is nothing else, of one run for all tests.
+/// Output of a case where there is nothing else, of one run for all tests.
 fn written(case: Case) -> &'static Files {
     static WRITTEN: [OnceLock<Files>; CASES.len()] = [const { OnceLock::new() }; CASES.len()];
     let at = CASES.iter().position(|known| known.args == case.args).expect("one of the table");
