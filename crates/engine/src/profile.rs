@@ -23,7 +23,7 @@ pub struct Profile {
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
     pub list_histogram: Vec<(u32, u64)>,
-    /// The phases of the command, each where it happened. Those of [`Phase::Compile`](crate::progress::Phase::Compile)
+    /// The phases of the command, each where it happened. Those of [`Phase::Compile`]
     /// lie within others.
     pub host: Vec<Span>,
     /// The frames.

@@ -187,7 +187,7 @@ fn is_exact(method: &Method, points: &Points) -> bool {
 pub struct Film<'a> {
     /// The scene's points.
     pub arranged: &'a Arranged,
-    /// The frame with the exact method ([`exact`](exact)); its camera is replaced.
+    /// The frame with the exact method ([`exact`]); its camera is replaced.
     pub frame: &'a Frame,
     /// Linear RGB.
     pub background: Vec3,
