@@ -16,7 +16,8 @@
 //     STOPS, is_done(state) -> bool                whether pixels may be done before the last splat, and whether one is
 //     finish(state, pixel)                         after the run's last splat
 // Held pixels are told apart in the text alone, which lavapipe compiles in half the time of one that picks them by an
-// index.
+// index. Each block has functions of its own with the pixels that it has: drivers inline first, and find out later which
+// pixels a block does not have.
 #import tile_run
 #import dispatch
 
@@ -25,15 +26,21 @@ override SHARED: u32 = 1u;
 // Steps between two tests for an early stop.
 const LOOK = 4u;
 
-#each held var<private> held{held}: PixelState;
+fn is_live(live: u32, block: u32) -> bool {
+    return (live & (1u << block)) != 0u;
+}
 
-// Shows the splats of one step that touch a block to its pixels.
-fn over_block(block: u32, hits: u32, own: Handed, corner: vec2<u32>, lane: u32) {
+#each block
+#each held var<private> held{block}_{held}: PixelState;
+
+// Shows the splats of one step that touch this block to its pixels.
+fn over_block{block}(hits: u32, own: Handed, corner: vec2<u32>, lane: u32) {
+    const FIRST = {block}u * HELD;
     var left = hits;
     loop {
         let k = firstTrailingBit(left) & (SUBGROUP - 1u);
         let h = handed(own, k, left != 0u, vec2<f32>(place(lane, 0u)));
-#each held         if {held}u / HELD == block { held{held} = show(held{held}, h, {held}u, corner + place(lane, {held}u)); }
+#each held         held{block}_{held} = show(held{block}_{held}, h, FIRST + {held}u, corner + place(lane, FIRST + {held}u));
         left &= left - 1u;
         if left == 0u {
             break;
@@ -41,16 +48,21 @@ fn over_block(block: u32, hits: u32, own: Handed, corner: vec2<u32>, lane: u32) 
     }
 }
 
-fn is_live(live: u32, block: u32) -> bool {
-    return (live & (1u << block)) != 0u;
+// Strikes this block from the live ones if its pixels are all done.
+fn close{block}(live: u32) -> u32 {
+    var open = false;
+#each held     open = open || !is_done(held{block}_{held});
+    return select(live & ~(1u << {block}u), live, subgroupBallot(open).x != 0u);
 }
 
-// Strikes a block whose pixels are all done from the live ones.
-fn close(live: u32, block: u32) -> u32 {
-    var open = false;
-#each held     if {held}u / HELD == block { open = open || !is_done(held{held}); }
-    return select(live & ~(1u << block), live, subgroupBallot(open).x != 0u);
+fn begin_block{block}(corner: vec2<u32>, lane: u32) {
+#each held     held{block}_{held} = begin(corner + place(lane, {block}u * HELD + {held}u));
 }
+
+fn finish_block{block}(corner: vec2<u32>, lane: u32) {
+#each held     finish(held{block}_{held}, corner + place(lane, {block}u * HELD + {held}u));
+}
+#end
 
 @compute @workgroup_size(SUBGROUP * TEAM)
 fn main(
@@ -69,7 +81,7 @@ fn main(
         return;
     }
     let corner = tile_corner(tile) + block_corner(group % SHARED);
-#each held     held{held} = begin(corner + place(lane, {held}u));
+#each block     begin_block{block}(corner, lane);
     begin_run(run.y < tile_end(tile));
     var live = (1u << (BLOCKS * BLOCKS / SHARED)) - 1u;
     var steps = 0u;
@@ -85,13 +97,13 @@ fn main(
             own = take(index_of(entry), corner);
         }
 #each block         let hits{block} = subgroupBallot(near{block} && may_touch(own, {block}u, corner)).x;
-#each block         over_block({block}u, select(0u, hits{block}, is_live(live, {block}u)), own, corner, lane);
+#each block         over_block{block}(select(0u, hits{block}, is_live(live, {block}u)), own, corner, lane);
         if STOPS {
             steps += 1u;
             if steps % LOOK == 0u {
-#each block                 live = close(live, {block}u);
+#each block                 live = close{block}(live);
             }
         }
     }
-#each held     finish(held{held}, corner + place(lane, {held}u));
+#each block     finish_block{block}(corner, lane);
 }

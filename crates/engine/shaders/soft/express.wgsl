@@ -92,14 +92,16 @@ fn begin(pixel: vec2<u32>) -> PixelState {
 }
 
 fn begin_run(cut: bool) {
-#each block     far{block} = farthest({block}u);
+#each block     far{block} = farthest{block}();
 }
 
-fn farthest(block: u32) -> u32 {
+#each block
+fn farthest{block}() -> u32 {
     var key = 0u;
-#each held     if {held}u / HELD == block { key = max(key, held{held}.wall); }
+#each held     key = max(key, held{block}_{held}.wall);
     return subgroupMax(key);
 }
+#end
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     var far = 0u;

@@ -97,24 +97,25 @@ struct Composer<'a> {
     variant: &'a Variant,
     out: String,
     /// Names of the shared pieces that are there.
-    pasted: Vec<&'a str>,
+    pasted: Vec<String>,
     /// Name of the invocation's number among all, if the entry point wants it.
-    index: Option<&'a str>,
+    index: Option<String>,
 }
 
-impl<'a> Composer<'a> {
-    fn composed(mut self, text: &'a str) -> Result<String, Error> {
+impl Composer<'_> {
+    fn composed(mut self, text: &str) -> Result<String, Error> {
         self.paste(text)?;
         match self.index {
-            Some(index) if !self.pasted.contains(&"dispatch") => {
+            Some(index) if !self.pasted.iter().any(|name| name == "dispatch") => {
                 Err(error(self.stem, format!("#main {index} {{ needs #import dispatch")))
             }
             _ => Ok(self.out),
         }
     }
 
-    fn paste(&mut self, text: &'a str) -> Result<(), Error> {
-        for line in text.lines() {
+    fn paste(&mut self, text: &str) -> Result<(), Error> {
+        let mut lines = text.lines();
+        while let Some(line) = lines.next() {
             let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
             match word {
                 "#import" => self.paste_shared(rest.trim())?,
@@ -124,12 +125,10 @@ impl<'a> Composer<'a> {
                 "#piece" => self.paste_shared(self.wanted(self.piece, "the pass names no piece")?)?,
                 "#comparators" => self.out.push_str(&comparator_text(self.inputs()?)),
                 "#repeat" => self.write_lines(rest, "i", self.inputs()?),
-                "#each" => {
-                    let (name, line) = rest.split_once(' ').unwrap_or_default();
-                    let count = self.variant.counts.iter().find(|(known, _)| *known == name).map(|(_, count)| *count);
-                    let missing = || error(self.stem, format!("the variant does not say how often {name:?}"));
-                    self.write_lines(line, name, count.ok_or_else(missing)?);
-                }
+                "#each" => match rest.split_once(' ') {
+                    Some((name, line)) => self.write_lines(line, name, self.count(name)?),
+                    None => self.paste_each(rest, &mut lines)?,
+                },
                 _ if word.starts_with('#') => return Err(error(self.stem, format!("no directive {word:?}"))),
                 _ => {
                     self.out.push_str(line);
@@ -140,12 +139,36 @@ impl<'a> Composer<'a> {
         Ok(())
     }
 
-    fn paste_shared(&mut self, name: &'a str) -> Result<(), Error> {
-        if self.pasted.contains(&name) {
+    /// Pastes the lines up to `#end` as often as the variant says of a name.
+    fn paste_each<'t>(&mut self, name: &str, lines: &mut impl Iterator<Item = &'t str>) -> Result<(), Error> {
+        let (mut block, mut ended) = (String::new(), false);
+        for line in lines.by_ref() {
+            ended = line == "#end";
+            if ended {
+                break;
+            }
+            block.push_str(line);
+            block.push('\n');
+        }
+        if !ended {
+            return Err(error(self.stem, format!("#each {name}: expected #end behind its lines")));
+        }
+        let place = format!("{{{name}}}");
+        (0..self.count(name)?).try_for_each(|i| self.paste(&block.replace(&place, &i.to_string())))
+    }
+
+    /// Returns how often `#each` writes what it says of a name.
+    fn count(&self, name: &str) -> Result<u32, Error> {
+        let known = self.variant.counts.iter().find(|(known, _)| *known == name);
+        self.wanted(known.map(|(_, count)| *count), &format!("the variant does not say how often {name:?}"))
+    }
+
+    fn paste_shared(&mut self, name: &str) -> Result<(), Error> {
+        if self.pasted.iter().any(|pasted| pasted == name) {
             return Ok(());
         }
         let shared = self.sources.file(&format!("shared/{name}"));
-        self.pasted.push(name);
+        self.pasted.push(name.to_owned());
         self.paste(shared.ok_or_else(|| error(self.stem, format!("no shared piece {name:?}")))?)
     }
 
@@ -164,15 +187,15 @@ impl<'a> Composer<'a> {
     }
 
     /// Writes the head of an entry point.
-    fn write_main(&mut self, rest: &'a str) -> Result<(), Error> {
+    fn write_main(&mut self, rest: &str) -> Result<(), Error> {
         let index = rest.strip_suffix('{').map(str::trim);
         let Some(index) = index.filter(|index| index.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')) else {
             return Err(error(self.stem, format!("#main {rest}: expected #main {{ or #main NAME {{")));
         };
         self.out.push_str(MAIN);
         if !index.is_empty() {
-            self.index = Some(index);
             let _ = writeln!(self.out, "    let {index} = invocation_index(workgroup, groups, local);");
+            self.index = Some(index.to_owned());
         }
         Ok(())
     }
@@ -201,10 +224,16 @@ mod tests {
     use crate::PushConstants;
 
     fn composed(text: &str, push: Option<Shape>) -> Result<String, String> {
-        let (sources, variant) = (&crate::SHADERS, Variant::plain());
+        let (sources, variant) = (&crate::SHADERS, Variant::plain().each("row", 2).each("column", 2));
         let (stem, out, pasted) = ("test", String::new(), Vec::new());
         let composer = Composer { sources, stem, piece: None, push, variant: &variant, out, pasted, index: None };
         composer.composed(text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn lines_up_to_end_are_repeated_with_what_they_repeat() {
+        let text = "#each row\na{row};\n#each column b{row}{column};\n#end\nc;";
+        assert_eq!(composed(text, None).expect("text"), "a0;\nb00;\nb01;\na1;\nb10;\nb11;\nc;\n");
     }
 
     #[test]
@@ -232,6 +261,9 @@ mod tests {
             ("#walker", None, "the variant names no walker"),
             ("#comparators", None, "no sorting network"),
             ("#each X {X}", None, "how often \"X\""),
+            ("#each X\n#end", None, "how often \"X\""),
+            ("#each row\n{row}", None, "expected #end"),
+            ("#end", None, "no directive \"#end\""),
         ] {
             let message = composed(text, push).expect_err(part);
             assert!(message.contains(part), "{message:?} should say {part:?}");

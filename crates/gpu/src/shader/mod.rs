@@ -20,6 +20,7 @@
 //! | `#piece` | the shared piece that the pass names: `pass! { … = "label" in "stem" with "piece" { … } }` |
 //! | `#walker` | the shared piece that the variant names ([`Variant::walker`]) |
 //! | `#each NAME LINE` | LINE as often as the variant says of that name ([`Variant::each`]), with `{NAME}` = 0, 1, … |
+//! | `#each NAME` | the lines up to `#end` as often, which may repeat lines themselves |
 //! | `#repeat LINE` | LINE for each input of the variant's sorting network ([`Variant::network`]), `{i}` = 0, 1, … |
 //! | `#comparators` | what sorts the variables x0, x1, … of that network by the shader's function `before` |
 //!

@@ -61,7 +61,7 @@ impl Variant {
         self
     }
 
-    /// Sets how often `#each name` writes its line.
+    /// Sets how often `#each name` writes its lines.
     pub fn each(mut self, name: &'static str, count: u32) -> Self {
         self.counts.push((name, count));
         self

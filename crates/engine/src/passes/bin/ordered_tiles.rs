@@ -66,8 +66,8 @@ pub(crate) fn region_variant(shape: Variant, run: OneRun) -> Variant {
 /// hold much for each pixel.
 pub(crate) fn fold_blocks_variant(shape: Variant, run: OneRun) -> Variant {
     let mut variant = fold_variant(shape, run).with("SHARED", BLOCKS);
-    for (_, count) in &mut variant.counts {
-        *count /= BLOCKS;
+    for (_, count) in variant.counts.iter_mut().filter(|(name, _)| *name == "block") {
+        *count = 1;
     }
     variant
 }
@@ -84,5 +84,5 @@ fn blocks(variant: Variant, taken: u32, lanes: Lanes) -> Variant {
         .subgroup(lanes.subgroup)
         .constant("TEAM", lanes.team)
         .each("block", BLOCKS)
-        .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / lanes.subgroup)
+        .each("held", BLOCK_SIDE * BLOCK_SIDE / lanes.subgroup)
 }
