@@ -36,6 +36,7 @@
 
 mod composer;
 mod network;
+mod prune;
 mod reflect;
 mod variant;
 
@@ -45,6 +46,7 @@ use naga::back::spv;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use self::composer::source;
+use self::prune::prune;
 use self::reflect::check_declaration;
 use crate::{Declaration, Error, cache, guard, spirv};
 
@@ -143,7 +145,12 @@ fn generate(
         return Err(error(stem, format!("no override {name}")));
     }
     let constants = overrides.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let (module, info) = naga::back::pipeline_constants::process_overrides(module, info, None, &constants)
+    let (module, _) = naga::back::pipeline_constants::process_overrides(module, info, None, &constants)
+        .map_err(|e| error(stem, e.to_string()))?;
+    let mut module = module.into_owned();
+    prune(&mut module);
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+        .validate(&module)
         .map_err(|e| error(stem, e.to_string()))?;
     let options = spv::Options {
         lang_version: (1, 3),
