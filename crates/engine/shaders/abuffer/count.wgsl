@@ -4,7 +4,7 @@
 @group(0) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
-    if cover(splat, tilt, pixel, view).hit {
+    if cover(splat, tilt, pixel).hit {
         atomicAdd(&counts[window_index(pixel, view.window)], 1u);
     }
 }

@@ -11,7 +11,7 @@ fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     if p < push.band_start || p >= push.band_end {
         return;
     }
-    let coverage = cover(splat, tilt, pixel, view);
+    let coverage = cover(splat, tilt, pixel);
     if !coverage.hit {
         return;
     }

@@ -5,7 +5,7 @@
 const NEAREST_BINDING = 7;
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
-    let coverage = cover(splat, tilt, pixel, view);
+    let coverage = cover(splat, tilt, pixel);
     if coverage.hit {
         offer(window_index(pixel, view.window), depth_key(coverage.depth), push.first + i);
     }

@@ -1,6 +1,7 @@
 // project/gaussians: Gaussian splats to their ellipses on the screen, colored for the view, with the rectangle of
 // pixels that each covers. One workgroup per WG_SIZE * RUN points of a chunk. Points that are no Gaussians are left to
 // project/splats. Reference: reference::gaussians.
+#import body
 #import splat
 #import locate
 #import projected

@@ -11,15 +11,14 @@ fn block_corner(block: u32) -> vec2<u32> {
     return vec2<u32>(block % BLOCKS, block / BLOCKS) * BLOCK_SIDE;
 }
 
-// Where in the tile the i-th pixel lies that this invocation holds.
-fn place(lane: u32, i: u32) -> vec2<u32> {
-    let within = lane + SUBGROUP * (i % HELD);
-    return vec2<u32>(within % BLOCK_SIDE, within / BLOCK_SIDE) + block_corner(i / HELD);
+// Where in the tile this invocation's first pixel lies. The others follow in steps of SUBGROUP, row by row in a block.
+fn first_place(lane: u32) -> vec2<u32> {
+    return vec2<u32>(lane % BLOCK_SIDE, lane / BLOCK_SIDE);
 }
 
 // How far a splat may reach from its center, in pixels: a disc its radius. An oriented one lies within a ball of that
 // radius, which perspective stretches: the offset of a point u on it is f (u.xy - c.xy / z u.z) / (z + u.z).
-fn reach_of(splat: Splat, view: View) -> f32 {
+fn reach_of(splat: Splat) -> f32 {
     if SHAPE != SHAPE_ORIENTED || view.orthographic != 0u {
         return splat.radius;
     }
@@ -45,6 +44,6 @@ fn touches(splat: Splat, low: vec2<u32>) -> bool {
     let half = 0.5 * f32(BLOCK_SIDE - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
     let outside = max(abs(middle) - half, vec2<f32>(0.0));
-    let radius = reach_of(splat, view);
+    let radius = reach_of(splat);
     return reaches(outside, radius, middle);
 }

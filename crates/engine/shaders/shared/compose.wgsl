@@ -9,7 +9,7 @@ fn fragment_color(i: u32, pixel: vec2<u32>) -> vec4<f32> {
     var color = color_at(i);
     if FALLOFF == FALLOFF_GAUSSIAN || has_gaussians() {
         let splat = splat_at(i);
-        color.a = fallen(splat, color.a, cover(splat, tilt_at(i), pixel, view).rho);
+        color.a = fallen(splat, color.a, cover(splat, tilt_at(i), pixel).rho);
     }
     return color;
 }
@@ -19,5 +19,5 @@ fn shown_key(key: u32, i: u32) -> u32 {
     if !has_gaussians() || view.order != ORDER_DISTANCE {
         return key;
     }
-    return depth_key(shown_depth(splat_at(i), tilt_at(i), key_depth(key), view));
+    return depth_key(shown_depth(splat_at(i), tilt_at(i), key_depth(key)));
 }

@@ -1,4 +1,5 @@
 // An ellipsoid of constant density and the ray through a pixel's center. The stage has `view`.
+#import body
 #import pixel_ray
 
 // Where a ray is within an ellipsoid: middle and half length as depths along the axis.
@@ -38,7 +39,7 @@ struct Met {
 
 fn met_by(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Met {
     if !is_gaussian(splat) {
-        let coverage = cover(splat, tilt, pixel, view);
+        let coverage = cover(splat, tilt, pixel);
         return Met(u32(coverage.hit), coverage.depth, coverage.depth);
     }
     return met_of(chord_of(splat, tilt, pixel), tilt);

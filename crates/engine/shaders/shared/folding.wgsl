@@ -78,12 +78,12 @@ struct Fragment {
 
 // In the invocation's pixel, `further` along from its first one.
 fn fragment_of(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> Fragment {
-    let coverage = cover_from(h.splat, h.tilt, h.whole + vec2<f32>(further), pixel, view);
+    let coverage = cover_from(h.splat, h.tilt, h.whole + vec2<f32>(further), pixel);
     let hit = coverage.hit;
     var c = h.color;
     c.a = select(0.0, fallen(h.splat, c.a, coverage.rho), hit);
     let depth = select(h.splat.depth, coverage.depth, may_cross());
-    let shown = depth_key(shown_depth(h.splat, h.tilt, depth, view));
+    let shown = depth_key(shown_depth(h.splat, h.tilt, depth));
     let distance = select(h.splat.depth + view.eye_hi.w, 1.0, view.orthographic != 0u);
     return Fragment(hit, c, depth_key(depth), shown, h.index, coverage.rho, h.splat.radius * (distance / view.focal.x));
 }

@@ -16,7 +16,7 @@
 // Of SHAPE_GAUSSIAN by KERNEL_EWA: tilt.normal L00, L10, K00, K10, rest K11, M3.e1 / z, M3.e2 / z, t.
 // By KERNEL_RAY, of which L is K: normal L00, L10, the inverse of rho^2 at the end, z; rest unused, and as before.
 // By KERNEL_ELLIPSOID as by KERNEL_RAY, but in place of the unused number one of BODY_.
-fn cover_gaussian(splat: Splat, tilt: Tilt, d: vec2<f32>, view: View) -> Coverage {
+fn cover_gaussian(splat: Splat, tilt: Tilt, d: vec2<f32>) -> Coverage {
     let u = vec2<f32>(tilt.normal.x * d.x, tilt.normal.y * d.x - splat.radius * d.y);
     let flat = dot(u, u);
     if SHAPE != SHAPE_GAUSSIAN {
@@ -42,21 +42,14 @@ fn cover_gaussian(splat: Splat, tilt: Tilt, d: vec2<f32>, view: View) -> Coverag
 }
 
 // Opacity of a Gaussian's fragment: o exp(-rho^2 / 2), where it falls to `least` at the end.
-fn gaussian_opacity(opacity: f32, ends: f32, view: View) -> f32 {
+fn gaussian_opacity(opacity: f32, ends: f32) -> f32 {
     return min(view.gaussian.y, opacity * exponential(-ends * logarithm(opacity / view.gaussian.x)));
 }
 
 // The depth that a splat's fragment shows, given that by which it is ordered.
-fn shown_depth(splat: Splat, tilt: Tilt, depth: f32, view: View) -> f32 {
+fn shown_depth(splat: Splat, tilt: Tilt, depth: f32) -> f32 {
     if !is_gaussian(splat) || view.order != ORDER_DISTANCE {
         return depth;
     }
     return select(tilt.normal.z, tilt.normal.w, SHAPE == SHAPE_GAUSSIAN);
 }
-
-// Kinds of primitives of KERNEL_ELLIPSOID. BODY_DENSE: constant density inside, where a color's alpha is the optical
-// depth of a unit of length. BODY_FLAT: a disc of opacity alpha, where the shortest axis is nothing. BODY_OPAQUE:
-// nothing is seen through it.
-const BODY_DENSE = 0.0;
-const BODY_FLAT = 1.0;
-const BODY_OPAQUE = 2.0;

@@ -10,9 +10,9 @@
 //     take(i, corner) -> Handed                    a splat by its index, for a tile's corner
 //     may_touch(own, block, corner) -> bool        of one whose rectangle meets the block
 //     handed(own, k, present, first) -> Handed     that of lane k, for pixels from `first` on, relative to the corner;
-//     without
-//                                                  `present` it must change nothing
-//     show(state, handed, i, pixel) -> PixelState  to the invocation's i-th pixel
+//                                                  without `present` it must change nothing
+//     show(state, handed, further, pixel) -> PixelState
+//                                                  to a pixel of the invocation, `further` along from its first one
 //     STOPS, is_done(state) -> bool                whether pixels may be done before the last splat, and whether one is
 //     finish(state, pixel)                         after the run's last splat
 // Held pixels are told apart in the text alone, which lavapipe compiles in half the time of one that picks them by an
@@ -30,17 +30,19 @@ fn is_live(live: u32, block: u32) -> bool {
     return (live & (1u << block)) != 0u;
 }
 
+// Where this block's pixels lie from an invocation's first one in the tile.
 #each block
+#each held const FURTHER{block}_{held} = vec2<u32>({held}u * SUBGROUP % BLOCK_SIDE, {held}u * SUBGROUP / BLOCK_SIDE) + BLOCK_SIDE * vec2<u32>({block}u % BLOCKS, {block}u / BLOCKS);
 #each held var<private> held{block}_{held}: PixelState;
 
 // Shows the splats of one step that touch this block to its pixels.
 fn over_block{block}(hits: u32, own: Handed, corner: vec2<u32>, lane: u32) {
-    const FIRST = {block}u * HELD;
+    let first = first_place(lane);
     var left = hits;
     loop {
         let k = firstTrailingBit(left) & (SUBGROUP - 1u);
-        let h = handed(own, k, left != 0u, vec2<f32>(place(lane, 0u)));
-#each held         held{block}_{held} = show(held{block}_{held}, h, FIRST + {held}u, corner + place(lane, FIRST + {held}u));
+        let h = handed(own, k, left != 0u, vec2<f32>(first));
+#each held         held{block}_{held} = show(held{block}_{held}, h, FURTHER{block}_{held}, corner + first + FURTHER{block}_{held});
         left &= left - 1u;
         if left == 0u {
             break;
@@ -55,12 +57,12 @@ fn close{block}(live: u32) -> u32 {
     return select(live & ~(1u << {block}u), live, subgroupBallot(open).x != 0u);
 }
 
-fn begin_block{block}(corner: vec2<u32>, lane: u32) {
-#each held     held{block}_{held} = begin(corner + place(lane, {block}u * HELD + {held}u));
+fn begin_block{block}(first: vec2<u32>) {
+#each held     held{block}_{held} = begin(first + FURTHER{block}_{held});
 }
 
-fn finish_block{block}(corner: vec2<u32>, lane: u32) {
-#each held     finish(held{block}_{held}, corner + place(lane, {block}u * HELD + {held}u));
+fn finish_block{block}(first: vec2<u32>) {
+#each held     finish(held{block}_{held}, first + FURTHER{block}_{held});
 }
 #end
 
@@ -81,7 +83,7 @@ fn main(
         return;
     }
     let corner = tile_corner(tile) + block_corner(group % SHARED);
-#each block     begin_block{block}(corner, lane);
+#each block     begin_block{block}(corner + first_place(lane));
     begin_run(run.y < tile_end(tile));
     var live = (1u << (BLOCKS * BLOCKS / SHARED)) - 1u;
     var steps = 0u;
@@ -105,5 +107,5 @@ fn main(
             }
         }
     }
-#each block     finish_block{block}(corner, lane);
+#each block     finish_block{block}(corner + first_place(lane));
 }

@@ -1,5 +1,6 @@
 // The ray through a pixel's center, and where a chord on it begins and ends. The stage has `view`. Depths are relative
 // to depth_origin().
+#import coverage
 #import elementary
 #import splat
 #import twofloat

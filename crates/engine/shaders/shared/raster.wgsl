@@ -1,6 +1,7 @@
 // Bindings of every stage that visits the pixels of splats. The stage defines
 // visit(splat's index in the chunk, splat, tilt, pixel); a walker calls it for each pixel that may be covered.
 #import camera
+#import coverage
 #import splat
 
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;

@@ -1,7 +1,6 @@
-// A projected splat and the pixels it covers: the one statement of the coverage rule.
+// A projected splat.
 #import elementary
 #import view
-#import gaussian
 
 // A value of Footprint in src/passes/project/footprint.rs. SHAPE_SPHERE is a soft sphere (shared/sphere.wgsl): no pixel
 // is always covered. SHAPE_EXACT_SPHERE is one so dense that float32 would show: its tilt holds the rest of its place.
@@ -60,14 +59,6 @@ fn tilt_stride() -> u32 {
 // at once, where lavapipe takes a struct member by member.
 alias Bounds = vec2<u32>;
 
-struct Coverage {
-    hit: bool,
-    depth: f32,
-    // Distance from the center over the radius, at most 1 but in a square's corners. Of a Gaussian the square of its
-    // Mahalanobis distance over that at which it ends.
-    rho: f32,
-}
-
 fn bounds_min(b: Bounds) -> vec2<u32> {
     return b & vec2<u32>(0xffffu);
 }
@@ -85,86 +76,6 @@ fn center_pixel(splat: Splat) -> vec2<i32> {
 // From the pixel of the projected center to another one: whole numbers.
 fn whole_to(splat: Splat, pixel: vec2<u32>) -> vec2<f32> {
     return vec2<f32>(vec2<i32>(pixel) - center_pixel(splat));
-}
-
-// From the projected center to a pixel's center, in pixels: exact up to one rounding.
-fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
-    return whole + (0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y));
-}
-
-// The ray through a pixel against the disc's plane, with everything in pixels at the center's depth and relative to the
-// center, so that nothing cancels: with o = (pixel - center, 0), d the ray and t = n.o / n.d, the hit lies at o - d t
-// from the center and t pixels nearer than it.
-fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u32>, view: View) -> Coverage {
-    let normal = tilt.xyz;
-    let o = offset_of(splat, whole);
-    let along = normal.x * o.x + normal.y * o.y;
-    var ray = vec3<f32>(0.0, 0.0, 1.0);
-    var unit = 1.0 / view.focal.x;
-    var facing = tilt.w;
-    if view.orthographic == 0u {
-        let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
-        ray = vec3<f32>(from_middle / view.focal.x, 1.0);
-        unit = (splat.depth + view.eye_hi.w) / view.focal.x;
-        facing += along / view.focal.x;
-    }
-    let t = along / facing;
-    let from_center = vec3<f32>(o, 0.0) - ray * t;
-    let squared = dot3(from_center, from_center);
-    let depth = splat.depth - unit * t;
-    // An edge-on plane gives NaN or infinity, and the comparison is then false. A ray starts at the eye.
-    if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth + view.eye_hi.w > 0.0) {
-        return Coverage(true, depth, relative_distance(sqrt(squared), splat.radius));
-    }
-    return Coverage(all(whole == vec2<f32>(0.0)), splat.depth, 1.0);
-}
-
-fn relative_distance(distance: f32, radius: f32) -> f32 {
-    return select(1.0, min(distance / radius, 1.0), radius > 0.0);
-}
-
-// Depth of a flat splat where the distance from its center over its radius has this square.
-fn moved_depth(splat: Splat, squared: f32, view: View) -> f32 {
-    if RELIEF == RELIEF_FLAT {
-        return splat.depth;
-    }
-    var w = 1.0 - squared;
-    if RELIEF == RELIEF_CONE {
-        w = 1.0 - sqrt(squared);
-    } else if RELIEF != RELIEF_PARABOLOID {
-        w = sqrt(max(w, 0.0));
-    }
-    let unit = select(splat.depth + view.eye_hi.w, 1.0, view.orthographic != 0u) / view.focal.x;
-    return splat.depth - w * (splat.radius * unit);
-}
-
-fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
-    return cover_from(splat, tilt, whole_to(splat, pixel), pixel, view);
-}
-
-// The same where the way from the center's pixel is known.
-fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>, view: View) -> Coverage {
-    let in_center = all(whole == vec2<f32>(0.0));
-    if SHAPE == SHAPE_POINT {
-        return Coverage(in_center, splat.depth, 1.0);
-    }
-    if is_gaussian(splat) {
-        return cover_gaussian(splat, tilt, offset_of(splat, whole), view);
-    }
-    if may_tilt() && any(tilt.normal.xyz != vec3<f32>(0.0)) {
-        return cover_oriented(splat, tilt.normal, whole, pixel, view);
-    }
-    let offset = offset_of(splat, whole);
-    if SHAPE == SHAPE_SQUARE {
-        let inside = all(abs(offset) <= vec2<f32>(splat.radius));
-        // The rim counts where only the center's own pixel is covered.
-        let relative = select(1.0, dot(offset, offset) / (splat.radius * splat.radius), inside && splat.radius > 0.0);
-        return Coverage(inside || in_center, moved_depth(splat, relative, view), sqrt(relative));
-    }
-    let squared = dot(offset, offset);
-    let inside = squared <= splat.radius * splat.radius;
-    let rho = relative_distance(sqrt(squared), splat.radius);
-    return Coverage(inside || in_center, moved_depth(splat, rho * rho, view), rho);
 }
 
 fn is_sphere() -> bool {

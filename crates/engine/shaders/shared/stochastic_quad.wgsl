@@ -27,7 +27,7 @@ fn quad_fragment(i: u32, pixel: vec2<u32>) -> QuadFragment {
         tilt.rest = tilts[tilt_stride() * i + 1u];
     }
     let splat = unpack_splat(splats[i], splat_depths[i]);
-    let coverage = cover(splat, tilt, pixel, view);
+    let coverage = cover(splat, tilt, pixel);
     var color = colors[i];
     color.a = fallen(splat, color.a, coverage.rho);
     color.a = select(0.0, color.a, coverage.hit);

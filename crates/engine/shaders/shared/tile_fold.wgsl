@@ -26,6 +26,6 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     return is_rectangle() || touches(own.splat, corner + block_corner(block));
 }
 
-fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
-    return visit(held, fragment_of(h, place(0u, i), pixel));
+fn show(held: PixelState, h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> PixelState {
+    return visit(held, fragment_of(h, further, pixel));
 }

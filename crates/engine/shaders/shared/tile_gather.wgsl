@@ -2,6 +2,7 @@
 // (shared/hand_over.wgsl). There are no atomics, and each pixel's fragments come in the order of blending. An
 // invocation holds one number of each of its pixels; the stage defines begin(pixel), visit(number, hit, index), which
 // both return it, and finish(number, pixel).
+#import coverage
 #import hand_over
 
 #push
@@ -38,11 +39,11 @@ fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
 }
 
 fn covers(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> bool {
-    return cover_from(h.splat, no_tilt(), h.whole + vec2<f32>(further), pixel, view).hit;
+    return cover_from(h.splat, no_tilt(), h.whole + vec2<f32>(further), pixel).hit;
 }
 
-fn show(number: u32, h: Handed, i: u32, pixel: vec2<u32>) -> u32 {
-    return visit(number, covers(h, place(0u, i), pixel), h.index);
+fn show(number: u32, h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> u32 {
+    return visit(number, covers(h, further, pixel), h.index);
 }
 
 // Index in the window of a pixel of the band, NOTHING for others.

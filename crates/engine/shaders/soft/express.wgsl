@@ -129,8 +129,7 @@ fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
 }
 
 // `disc.pixel` is relative to the invocation's first pixel.
-fn show(before: PixelState, disc: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
-    let further = place(0u, i);
+fn show(before: PixelState, disc: Handed, further: vec2<u32>, pixel: vec2<u32>) -> PixelState {
     var held = before;
     if COUNTED != 0u {
         held.count += counts_as(disc, further, held.wall);

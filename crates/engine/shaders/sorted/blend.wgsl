@@ -47,8 +47,8 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     return is_rectangle() || touches(own.splat, corner + block_corner(block));
 }
 
-fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
-    let fragment = fragment_of(h, place(0u, i), pixel);
+fn show(held: PixelState, h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> PixelState {
+    let fragment = fragment_of(h, further, pixel);
     // A flat splat's index stands for its key: one look-up at the end gives the depth.
     let key = select(h.index, fragment.shown_key, may_cross());
     let next = PixelState(behind(held.sum, key, fragment.color), held.front, false);
@@ -92,7 +92,7 @@ fn finish(held: PixelState, pixel: vec2<u32>) {
     if LATER == 0u || (held.front.key == NOTHING && held.sum.key != NOTHING) {
         var key = held.sum.key;
         if !may_cross() && key != NOTHING {
-            key = depth_key(shown_depth(flat_at(key), tilt_at(key), depth_at(key), view));
+            key = depth_key(shown_depth(flat_at(key), tilt_at(key), depth_at(key)));
         }
         depths[p] = composed_depth(key);
     }
