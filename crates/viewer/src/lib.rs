@@ -14,36 +14,36 @@
 //! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`,
 //!   `handles` of clip boxes) and hands the picture to the [`Screen`](pellucid_window::Screen).
 
-mod accuracy;
+pub mod accuracy;
 mod app;
-mod controls;
+pub mod controls;
 mod counts;
 mod dialog;
-mod display;
-mod draft;
+pub mod display;
+pub mod draft;
 mod error;
 mod graphics;
 mod handles;
 mod hints;
 mod legend;
 mod loss;
-mod messages;
-mod model;
-mod navigate;
+pub mod messages;
+pub mod model;
+pub mod navigate;
 mod overlay;
 mod panel;
-mod pointer;
+pub mod pointer;
 mod route;
 mod save;
 mod sources;
-mod stage;
-mod statistics;
+pub mod stage;
+pub mod statistics;
 mod status_log;
 mod thinned;
 mod times;
 mod ui;
 mod visibility;
-mod worker;
+pub mod worker;
 
 pub use error::{Error, Result};
 pub use sources::Opened;

@@ -23,9 +23,14 @@ use pellucid_scene::{Document, Scene, Setting, View};
 
 mod due;
 mod edit;
+mod files;
+mod path;
+
+pub use due::STILL;
+pub use files::Saved;
 
 /// Time for which nothing may move before a complete picture is due.
-const REST: Duration = Duration::from_millis(150);
+pub const REST: Duration = Duration::from_millis(150);
 
 /// Pixels around the pointer in which a depth is looked for.
 const PICK_PX: i64 = 6;
@@ -195,6 +200,16 @@ impl Model {
     /// The scene, without the camera and the size that the window gives it.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The place that pictures are taken from.
+    pub fn pose(&self) -> Pose {
+        self.pose
+    }
+
+    /// The camera's position and movements, once they are known.
+    pub fn navigator(&self) -> Option<Navigator> {
+        self.navigator
     }
 
     /// The last picture.
@@ -454,11 +469,3 @@ impl Model {
         self.receive_path();
     }
 }
-
-mod files;
-mod path;
-
-pub use files::Saved;
-
-#[cfg(test)]
-mod tests;

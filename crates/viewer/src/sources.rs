@@ -3,17 +3,7 @@
 use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
 use pellucid_scene::{Document, Named, Scene};
-use pellucid_session::{Clouds, Limits, Messages, Residence, Sources};
-
-use super::statistics::Statistics;
-
-/// Returns the statistics of each cloud.
-pub fn statistics(clouds: &Clouds) -> Vec<Statistics> {
-    match clouds {
-        Clouds::Held(clouds) => clouds.iter().map(|cloud| Statistics::from_cloud(cloud)).collect(),
-        Clouds::Stored(stores) => stores.iter().map(Statistics::from_store).collect(),
-    }
-}
+use pellucid_session::{Limits, Messages, Residence, Sources};
 
 /// A scene and its clouds.
 pub struct Opened {

@@ -97,8 +97,9 @@ pub struct SceneRenderer {
     setup: Setup,
     /// Says what is done to points before they can be rendered, and nothing once they can.
     pub progress: Progress,
-    /// The name of the last method, its number of samples, ensembles or layers, and the cost of its frames.
-    costs: Option<(&'static str, Option<u32>, Costs)>,
+    /// The name of the last method, its number of samples, ensembles or layers, and the cost of its frames: drafts are
+    /// chosen by them.
+    pub costs: Option<(&'static str, Option<u32>, Costs)>,
     histograms: Histograms,
     /// The last choice for `auto`: the requested method, the chosen one, and the reason.
     chosen: Option<(MethodChoice, Method, String)>,
@@ -147,6 +148,14 @@ impl SceneRenderer {
         }
     }
 
+    /// The session with the points on the device.
+    ///
+    /// # Errors
+    /// No points are there: nothing was rendered yet, or it failed.
+    pub fn session(&mut self) -> Result<&mut Session> {
+        Ok(&mut self.placed.as_mut().ok_or_else(no_points)?.session)
+    }
+
     /// Returns the clouds and columns derived from them, when everything else goes.
     pub fn into_sources(mut self) -> Sources {
         self.free();
@@ -179,7 +188,7 @@ impl SceneRenderer {
         let known = self.chosen.clone().filter(|(requested, method, _)| {
             *requested == scene.method && self.draft(method, effort, scene.image.size) != Draft::whole(method)
         });
-        let Some(UploadedScene { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        let session = self.session()?;
         match known {
             Some((_, method, why)) => session.keep_method(method, why),
             None => session.decide(&Silent)?,
@@ -219,8 +228,11 @@ impl SceneRenderer {
     }
 
     /// Returns how the last picture is written to a file, with the metadata of a scene of this name.
+    ///
+    /// # Errors
+    /// There is no picture.
     pub fn write_options(&mut self, name: String, applied: Option<&Applied>) -> Result<WriteOptions> {
-        let session = &mut self.placed.as_mut().ok_or_else(no_points)?.session;
+        let session = self.session()?;
         session.prepared.request.name = name;
         Ok(session.write_options(applied, Vec::new()))
     }
@@ -232,7 +244,7 @@ impl SceneRenderer {
     pub fn exact(&mut self, scene: &Scene, pose: Pose, frame: &Frame, method: Method) -> Result<Rendered> {
         // A picture that came to nothing may have left other points.
         self.place(scene, pose)?;
-        let Some(UploadedScene { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        let session = self.session()?;
         session.frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*frame };
         session.render()
     }
@@ -283,8 +295,12 @@ impl SceneRenderer {
         request
     }
 
-    /// Brings the scene's points to the device, the missing and the changed ones, and finds the camera.
-    fn place(&mut self, scene: &Scene, pose: Pose) -> Result<Changes> {
+    /// Brings the scene's points to the device, the missing and the changed ones, and finds the camera. Returns what has
+    /// changed.
+    ///
+    /// # Errors
+    /// The points can't be made or uploaded; those of another scene may.
+    pub fn place(&mut self, scene: &Scene, pose: Pose) -> Result<Changes> {
         let placed = self.place_quietly(self.request(scene), pose);
         self.progress.set_message("");
         placed
@@ -454,6 +470,3 @@ fn camera(scene: &Scene, pose: Pose, subject: &CameraSubject, points: &Points) -
     let (camera, _warnings) = scene::camera(&framed, points, *up)?;
     Ok(camera)
 }
-
-#[cfg(test)]
-mod tests;

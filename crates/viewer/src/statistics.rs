@@ -11,6 +11,7 @@ use pellucid_core::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
 use pellucid_scene::stored::OpenStore;
 use pellucid_scene::{CloudSettings, ColorBy, Document, Overrides, Scene, Strays, colorings};
+use pellucid_session::Clouds;
 
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
@@ -40,8 +41,16 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// The statistics of each cloud.
+    pub fn of_clouds(clouds: &Clouds) -> Vec<Self> {
+        match clouds {
+            Clouds::Held(clouds) => clouds.iter().map(|cloud| Self::from_cloud(cloud)).collect(),
+            Clouds::Stored(stores) => stores.iter().map(Self::from_store).collect(),
+        }
+    }
+
     /// Gathers the statistics of all points of a cloud.
-    pub fn from_cloud(cloud: &Cloud) -> Self {
+    fn from_cloud(cloud: &Cloud) -> Self {
         let names = field::names(cloud).into_iter().filter(|name| !name.is_empty() && name != "classification");
         let mut scalars: Vec<(String, [f64; 2])> = Vec::new();
         for name in names {
@@ -67,7 +76,7 @@ impl Statistics {
     }
 
     /// Statistics of a cloud that stays in its store: those of points that stand for all, once they are known.
-    pub fn from_store(store: &OpenStore) -> Self {
+    fn from_store(store: &OpenStore) -> Self {
         let summary = store.summary();
         let known = store.surveyed();
         let sample = known.as_ref().map_or(&summary.like, |survey| &survey.sample);

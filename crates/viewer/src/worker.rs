@@ -15,8 +15,9 @@ use super::loss;
 use super::messages::{News, Request, Saving, Setup, Task, WindowPicture};
 use super::navigate::Pose;
 use super::save;
-use super::sources::{Opened, statistics};
+use super::sources::Opened;
 use super::stage::{SceneRenderer, TakenPicture};
+use super::statistics::Statistics;
 use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path;
 use pellucid_engine::methods::{self, Frame};
@@ -300,7 +301,7 @@ impl WorkerState {
     }
 
     fn statistics(&self) -> News {
-        News::Clouds(statistics(self.stage.clouds()).into())
+        News::Clouds(Statistics::of_clouds(self.stage.clouds()).into())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {

@@ -103,7 +103,10 @@ impl Model {
     }
 
     /// The scene with the camera and the size of the picture.
-    pub(super) fn document_as_shown(&self) -> Result<Document> {
+    ///
+    /// # Errors
+    /// A camera that is no setting of a scene.
+    pub fn document_as_shown(&self) -> Result<Document> {
         let mut document = self.document.clone();
         document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
         let shown = match (self.pose, &self.navigator) {
