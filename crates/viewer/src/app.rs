@@ -15,9 +15,8 @@ use winit::window::{Fullscreen, Window, WindowId};
 
 use super::graphics::{Graphics, Opening, Wake};
 use super::loss::{self, Losses};
-use super::messages::{News, Setup, Task};
+use super::messages::{News, Task};
 use super::model::Model;
-use super::sources::Opened;
 use super::status_log::StatusLog;
 use super::visibility::Visibility;
 use super::worker::Workload;
@@ -84,9 +83,7 @@ pub struct App {
 
 impl App {
     pub fn new(options: Options, proxy: EventLoopProxy<Wake>, say: Box<dyn Fn(&str)>) -> Self {
-        let Options { seed, memory_budget, host_memory, .. } = options;
-        let setup = Setup { seed, memory_budget, host_memory };
-        let opening = Opening { options: options.device.clone(), setup, proxy };
+        let opening = Opening { options: options.device.clone(), setup: options.setup, proxy };
         Self { options: Some(options), opening, say, running: None, logs: Vec::new(), outcome: Ok(()) }
     }
 
@@ -107,17 +104,17 @@ impl App {
     fn start(&mut self, event_loop: &ActiveEventLoop, options: Options) -> Result<Running> {
         let [width, height] = options.size;
         let attributes = Window::default_attributes()
-            .with_title(title(&options.opened.name))
+            .with_title(title(&options.named.name))
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(64, 64));
         let window = event_loop.create_window(attributes).map_err(super::no_display)?;
         let window = Arc::new(window);
-        let Opened { name, document, sources, generated } = options.opened;
-        let mut model = Model::new(name, document, options.view, options.budget_ms)?;
+        let workload =
+            Workload { sources: options.sources, generated: options.named.is_generated(), tasks: Vec::new() };
+        let mut model = Model::new(options.named.name, options.named.document, options.view, options.budget_ms)?;
         if let Some((file, source)) = options.path {
             model.take_path(file, source);
         }
-        let workload = Workload { sources, generated, tasks: Vec::new() };
         let graphics = Graphics::open(&self.opening, &window, workload, Textures::default(), &mut self.logs)?;
         model.progress = graphics.worker.progress.clone();
         let visibility = Visibility::for_window(&window);

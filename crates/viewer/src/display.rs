@@ -1,7 +1,7 @@
 //! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on
 //! the device are encoded there ([`pellucid_io::output::encode`]).
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,37 +14,26 @@ use pellucid_gpu::{Buffer, Device, Slice};
 use pellucid_io::output::to_byte;
 use pellucid_scene::{ColorSpace, Scene};
 
-/// Converts linear values to sRGB bytes.
-pub struct Display {
-    /// The least value that becomes this byte, from 1 to 255.
-    steps: Vec<f32>,
+/// The linear values at which each byte begins, and one that nothing reaches.
+static STEPS: LazyLock<[f32; 257]> = LazyLock::new(|| byte_steps(ColorSpace::Linear));
+
+/// The sRGB byte of a linear value: the number of steps that it reaches; NaN is 0.
+fn srgb_byte(value: f32) -> u8 {
+    STEPS[1..256].partition_point(|step| *step <= value) as u8
 }
 
-impl Default for Display {
-    fn default() -> Self {
-        Self { steps: byte_steps(ColorSpace::Linear)[1..256].to_vec() }
-    }
-}
-
-impl Display {
-    /// The byte of a linear value: the number of steps that it reaches; NaN is 0.
-    fn byte(&self, value: f32) -> u8 {
-        self.steps.partition_point(|step| *step <= value) as u8
-    }
-
-    /// R, G, B and 255 of each composed pixel, whose values are those of a color space.
-    pub fn bytes(&self, pixels: &[[f32; 3]], color: ColorSpace) -> Vec<u8> {
-        let mut bytes = vec![u8::MAX; 4 * pixels.len()];
-        bytes.par_chunks_exact_mut(4).zip(pixels).for_each(|(pixel, composed)| {
-            for (byte, value) in pixel.iter_mut().zip(composed) {
-                *byte = match color {
-                    ColorSpace::Linear => self.byte(*value),
-                    ColorSpace::Encoded => to_byte(*value),
-                };
-            }
-        });
-        bytes
-    }
+/// R, G, B and 255 of each composed pixel, whose values are those of a color space.
+pub fn bytes(pixels: &[[f32; 3]], color: ColorSpace) -> Vec<u8> {
+    let mut bytes = vec![u8::MAX; 4 * pixels.len()];
+    bytes.par_chunks_exact_mut(4).zip(pixels).for_each(|(pixel, composed)| {
+        for (byte, value) in pixel.iter_mut().zip(composed) {
+            *byte = match color {
+                ColorSpace::Linear => srgb_byte(*value),
+                ColorSpace::Encoded => to_byte(*value),
+            };
+        }
+    });
+    bytes
 }
 
 /// An image of a scene, which may have fewer pixels than the scene says.
@@ -74,7 +63,6 @@ impl SceneImage<'_> {
 /// Encodes pictures for display, on the GPU if the colors are resident there.
 pub struct ScreenEncoder {
     encoder: Encoder,
-    display: Display,
     /// True if the screen has blue first in memory.
     blue_first: bool,
 }
@@ -85,7 +73,7 @@ impl ScreenEncoder {
     /// # Errors
     /// Vulkan errors.
     pub fn new(device: &Device, blue_first: bool) -> Result<Self> {
-        Ok(Self { encoder: Encoder::new(device)?, display: Display::default(), blue_first })
+        Ok(Self { encoder: Encoder::new(device)?, blue_first })
     }
 
     /// The bytes of an image whose colors are on the device.
@@ -109,7 +97,7 @@ impl ScreenEncoder {
     /// # Errors
     /// Vulkan errors.
     pub fn upload(&mut self, composed: &[[f32; 3]], scene: &Scene) -> Result<Arc<Buffer<u32>>> {
-        let rgba = self.display.bytes(composed, scene.image.color_space());
+        let rgba = bytes(composed, scene.image.color_space());
         Ok(self.encoder.upload(&rgba, scene.image.size, self.blue_first)?)
     }
 }
@@ -182,15 +170,14 @@ mod tests {
 
     #[test]
     fn every_byte_is_that_of_the_png() {
-        let display = Display::default();
         let mut random = rand_pcg::Pcg64::seed_from_u64(7);
         let near =
             |value: f32| (-3..=3).map(move |ulps: i32| f32::from_bits(value.to_bits().wrapping_add_signed(ulps)));
-        let steps = display.steps.iter().copied().flat_map(near);
+        let steps = STEPS[1..256].iter().copied().flat_map(near);
         let odd = [0.0, -0.0, -1.0, 1.0, 1.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE];
         let chance = (0..200_000).map(|_| random.random_range(-0.1..1.1f32).powi(3));
         for value in steps.chain(odd).chain(chance) {
-            assert_eq!(display.byte(value), to_byte(encode_srgb(value)), "{value}");
+            assert_eq!(srgb_byte(value), to_byte(encode_srgb(value)), "{value}");
         }
     }
 

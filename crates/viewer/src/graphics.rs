@@ -61,7 +61,11 @@ impl Graphics {
         drop(screen);
         drop(device);
         ended.map(|(workload, mut news)| {
-            news.iter_mut().for_each(News::release);
+            for news in &mut news {
+                if let News::Picture(picture) = news {
+                    picture.pixels = None;
+                }
+            }
             (workload, news, textures)
         })
     }

@@ -5,7 +5,7 @@
 //!   next one is due.
 //! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
 //! - `messages`: the requests of the window, and the replies of the worker.
-//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores (`sources`), and the
+//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores, and the
 //!   [`Session`](pellucid_session::Session) that `render` uses, too. `draft` decides what is left out while things
 //!   move: samples, pixels and points (`thinned`). `accuracy` measures the error of drafts and approximations, `times`
 //!   keeps frame times, `save` writes scene and picture, `display` converts pixels to bytes.
@@ -35,7 +35,6 @@ mod panel;
 pub mod pointer;
 mod route;
 mod save;
-mod sources;
 pub mod stage;
 pub mod statistics;
 mod status_log;
@@ -46,29 +45,28 @@ mod visibility;
 pub mod worker;
 
 pub use error::{Error, Result};
-pub use sources::Opened;
+pub use messages::Setup;
 use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
 
 use pellucid_core::camera::import::CameraSource;
 use pellucid_gpu::DeviceOptions;
-use pellucid_scene::View;
+use pellucid_scene::{Named, View};
+use pellucid_session::Sources;
 
 /// The scene to show, and the settings of the window.
 pub struct Options {
-    /// The scene and its clouds.
-    pub opened: Opened,
+    /// The scene.
+    pub named: Named,
+    /// The clouds of the scene.
+    pub sources: Sources,
     /// The view asked for, if any.
     pub view: View,
-    /// Seed of stochastic methods and of the built-in scene.
-    pub seed: u64,
+    /// Settings that stay the same when other files are opened.
+    pub setup: Setup,
     /// The device to open.
     pub device: DeviceOptions,
-    /// Device bytes for a frame's fragments.
-    pub memory_budget: Option<u64>,
-    /// Bytes of memory for points: clouds that take more stay in their files.
-    pub host_memory: u64,
     /// Columns and rows of the window, in pixels of a display of ordinary density.
     pub size: [u32; 2],
     /// Milliseconds that a frame should take while things move.

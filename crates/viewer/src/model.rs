@@ -426,15 +426,13 @@ impl Model {
     /// Replaces the scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
         self.take_answer();
+        let old = std::mem::replace(self, Self::new(name, document, View::default(), self.budget_ms)?);
         // Files that were asked for after these are still on their way.
-        let (busy, pending, tasks) = (self.busy, std::mem::take(&mut self.pending), std::mem::take(&mut self.tasks));
-        let saved = self.saved.take();
-        let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
+        (self.busy, self.pending, self.tasks) = (old.busy, old.pending, old.tasks);
+        (self.shows, self.viewport, self.serial) = (old.shows, old.viewport, old.serial);
+        (self.progress, self.saved, self.route) = (old.progress, old.saved, old.route);
         // Keys are positions in the world, which another scene may share.
-        let mut route = std::mem::take(&mut self.route);
-        route.invalidate();
-        let new = Self::new(name, document, View::default(), self.budget_ms)?;
-        *self = Self { shows, viewport, serial, saved, route, progress, busy, pending, tasks, ..new };
+        self.route.invalidate();
         self.show_note(format!("{}: opened", self.name));
         Ok(())
     }

@@ -21,9 +21,7 @@ use pellucid_io::output::WriteOptions;
 use pellucid_scene::legend::Legend;
 use pellucid_scene::supply::Cut;
 use pellucid_scene::{self as scene, CameraSettings, Detail, Input, Method, MethodChoice, Scene};
-use pellucid_session::{
-    Assembled, Clouds, FrameRequest, Limits, Prepared, Request, Residence, Session, Silent, Sources, Uploaded,
-};
+use pellucid_session::{Assembled, Clouds, FrameRequest, Prepared, Request, Session, Silent, Sources, Uploaded};
 
 /// Points that are this near to others add nothing that is seen, in pixels.
 const FINE_PX: f32 = 1.0;
@@ -131,21 +129,11 @@ impl SceneRenderer {
         self.placed.as_ref().map(|placed| &placed.session.renderer).or_else(waiting).expect("either is there")
     }
 
-    fn sources(&self) -> &Sources {
-        let waiting = || self.waiting.as_ref().map(|(_, sources)| sources);
-        self.placed.as_ref().map(|placed| &placed.session.prepared.sources).or_else(waiting).expect("either is there")
-    }
-
     /// The clouds as they were read.
     pub fn clouds(&self) -> &Clouds {
-        self.sources().clouds()
-    }
-
-    /// Settles what the clouds decide about a scene.
-    pub fn settle(&self, scene: &mut Scene) {
-        if let Clouds::Held(clouds) = self.clouds() {
-            scene.settle(clouds);
-        }
+        let waiting = || self.waiting.as_ref().map(|(_, sources)| sources);
+        let placed = self.placed.as_ref().map(|placed| &placed.session.prepared.sources);
+        placed.or_else(waiting).expect("either is there").clouds()
     }
 
     /// The session with the points on the device.
@@ -286,9 +274,8 @@ impl SceneRenderer {
 
     /// The request for pictures of a scene. The window has drafts of its own, and draws all points at rest.
     fn request(&self, scene: &Scene) -> Request {
-        let Setup { seed, memory_budget, host_memory } = self.setup;
-        let limits = Limits { memory: host_memory, residence: Residence::Memory };
-        let mut request = Request::of_scene(String::new(), scene.clone(), Input::Files, limits, seed);
+        let Setup { seed, memory_budget, .. } = self.setup;
+        let mut request = Request::of_scene(String::new(), scene.clone(), Input::Files, self.setup.limits(), seed);
         request.wanted.is_edited = true;
         let (stop, detail) = (Stop::EightBit { transparent: false }, Some(Detail::default()));
         request.frame = FrameRequest { memory_budget, stop, spread: true, detail, ..FrameRequest::default() };

@@ -10,7 +10,7 @@ use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
 use pellucid_scene::stored::OpenStore;
-use pellucid_scene::{CloudSettings, ColorBy, Document, Overrides, Scene, Strays, colorings};
+use pellucid_scene::{CloudSettings, ColorBy, Scene, Strays, automatic};
 use pellucid_session::Clouds;
 
 /// Bins of a histogram of F, equally wide.
@@ -100,20 +100,6 @@ impl Statistics {
     }
 }
 
-/// Returns the quantity that `auto` shows of a cloud, as the engine decides it.
-fn automatic(cloud: &Cloud) -> ColorBy {
-    let scene = Document::from_clouds(["cloud.ply"], &Overrides::default()).and_then(|document| document.scene());
-    let Ok(scene) = scene else { return ColorBy::Auto };
-    let sentences = colorings(&scene, std::slice::from_ref(cloud));
-    // The first word is the choice.
-    match sentences.first().and_then(|sentence| sentence.split([':', ' ']).next()) {
-        Some("rgb") => ColorBy::Rgb,
-        Some("classification") => ColorBy::Classification,
-        Some("height") => ColorBy::Height,
-        _ => ColorBy::Auto,
-    }
-}
-
 fn classes(codes: &[u8]) -> BTreeMap<u8, usize> {
     let counts: [usize; 256] = counts(codes, |code| usize::from(*code));
     (0u8..=255).zip(counts).filter(|(_, count)| *count > 0).collect()
@@ -200,6 +186,7 @@ fn histogram(fields: &[f32]) -> Arc<[u64]> {
 mod tests {
     use super::*;
     use glam::Vec3;
+    use pellucid_scene::{Document, Overrides};
 
     fn cloud() -> Cloud {
         let n = 100_000;

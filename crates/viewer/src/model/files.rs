@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{Model, Pose, Setting, Task};
 use crate::messages::Saving;
 use pellucid_core::camera::import;
+use pellucid_core::camera::path::CameraPath;
 use pellucid_engine::Result;
 use pellucid_scene::Document;
 
@@ -62,17 +63,8 @@ impl Model {
         self.busy = !self.pending.is_empty();
     }
 
-    /// True while another scene is being opened, whose clouds differ from the current ones; leaves a message if so.
-    pub(super) fn is_leaving(&mut self) -> bool {
-        let leaving = self.pending.contains(&true);
-        if leaving {
-            self.show_error("not saved: another scene is being read");
-        }
-        leaving
-    }
-
     /// The stem of the names of saved files.
-    pub(super) fn stem(&self) -> String {
+    fn stem(&self) -> String {
         // Either one file, whose name may contain spaces, or the first of several.
         let whole = PathBuf::from(&self.name);
         let first = if whole.exists() { whole } else { PathBuf::from(self.name.split(' ').next().unwrap_or_default()) };
@@ -87,19 +79,36 @@ impl Model {
     /// Saves like [`Model::save`], to a file of this name.
     pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
         if self.navigator.is_none() || self.viewport.size.contains(&0) {
-            self.show_note("no picture yet to save");
-            return;
+            return self.show_note("no picture yet to save");
         }
-        if self.is_leaving() {
-            return;
+        self.ask_to_save(self.document_as_shown(), picture, None, to);
+    }
+
+    /// Asks for a scene to be written, unless another one is being opened: its clouds are not the current ones.
+    pub(super) fn ask_to_save(
+        &mut self,
+        document: Result<Document>,
+        picture: bool,
+        path: Option<CameraPath>,
+        to: Option<PathBuf>,
+    ) {
+        if self.pending.contains(&true) {
+            return self.show_error("not saved: another scene is being read");
         }
-        match self.document_as_shown() {
+        match document {
             Ok(document) => {
-                let saving = Saving { document, stem: self.stem(), picture, path: None, to };
+                let saving = Saving { document, stem: self.stem(), picture, path, to };
                 self.ask_for(Task::Save(Box::new(saving)));
             }
             Err(error) => self.show_error(error.to_string()),
         }
+    }
+
+    /// The scene with the size of the picture.
+    pub(super) fn document_of_size(&self) -> Result<Document> {
+        let mut document = self.document.clone();
+        document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
+        Ok(document)
     }
 
     /// The scene with the camera and the size of the picture.
@@ -107,8 +116,7 @@ impl Model {
     /// # Errors
     /// A camera that is no setting of a scene.
     pub fn document_as_shown(&self) -> Result<Document> {
-        let mut document = self.document.clone();
-        document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
+        let mut document = self.document_of_size()?;
         let shown = match (self.pose, &self.navigator) {
             (Pose::Scene, _) | (Pose::View(_), None) => None,
             (Pose::View(_), Some(navigator)) => Some(navigator.settings(self.scene.camera.near, self.scene.camera.far)),
@@ -118,15 +126,14 @@ impl Model {
             document.remove("camera", "fov_y");
             document.remove("camera", "height");
             document.remove("camera", "ortho");
-            let given = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)];
-            for (key, vector) in given.into_iter().filter_map(|(key, vector)| Some((key, vector?))) {
-                document.put(&format!("camera.{key}"), Setting::Numbers(vector.to_array().to_vec()))?;
-            }
+            let vectors = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)]
+                .map(|(key, vector)| (key, vector.map(|vector| Setting::from(vector.to_array()))));
             // A key may have depths of its own.
             let numbers =
-                [("fov_y", camera.fov_y), ("height", camera.height), ("near", camera.near), ("far", camera.far)];
-            for (key, number) in numbers.into_iter().filter_map(|(key, number)| Some((key, number?))) {
-                document.put(&format!("camera.{key}"), Setting::Number(number))?;
+                [("fov_y", camera.fov_y), ("height", camera.height), ("near", camera.near), ("far", camera.far)]
+                    .map(|(key, number)| (key, number.map(Setting::Number)));
+            for (key, value) in vectors.into_iter().chain(numbers).filter_map(|(key, value)| Some((key, value?))) {
+                document.put(&format!("camera.{key}"), value)?;
             }
         }
         Ok(document)

@@ -84,11 +84,7 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
 /// Returns the reference of elevations: the axis nearest to the up direction of the scene's camera, else the clouds'
 /// vertical.
 pub fn vertical(model: &Model) -> Vertical {
-    nearest_or(model.scene().camera.up, model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
-}
-
-fn nearest_or(up: Option<DVec3>, of_clouds: UpAxis) -> Vertical {
-    up.and_then(Vertical::nearest).unwrap_or(of_clouds.into())
+    model.scene().camera.vertical(model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
 }
 
 /// A direction by its angles, and by its numbers.
@@ -199,7 +195,7 @@ fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_scene::{Document, Overrides};
+    use pellucid_scene::{CameraSettings, Document, Overrides};
 
     #[test]
     fn angles_and_directions_are_the_same_light() {
@@ -227,15 +223,16 @@ mod tests {
 
     #[test]
     fn elevations_refer_to_the_vertical_of_the_camera_or_of_the_clouds() {
-        let up = |up: Option<DVec3>, of_clouds| nearest_or(up, of_clouds).up();
+        let vertical = |up, of_clouds| CameraSettings { up, ..CameraSettings::default() }.vertical(of_clouds);
+        let up = |up: Option<DVec3>, of_clouds| vertical(up, of_clouds).up();
         for clouds in [UpAxis::Y, UpAxis::Z, UpAxis::NegativeY] {
             assert_eq!(up(None, clouds), clouds.direction());
             assert_eq!(up(Some(DVec3::new(1.0, 1.0, 0.0)), clouds), clouds.direction(), "between two axes");
             assert_eq!(up(Some(DVec3::new(0.1, -2.0, 0.5)), clouds), DVec3::NEG_Y);
             assert_eq!(up(Some(DVec3::new(3.0, 0.0, 1.0)), clouds), DVec3::X);
         }
-        assert_eq!(nearest_or(Some(DVec3::X), UpAxis::Z).index(), 0);
-        assert_eq!(nearest_or(None, UpAxis::NegativeY).index(), 1);
+        assert_eq!(vertical(Some(DVec3::X), UpAxis::Z).index(), 0);
+        assert_eq!(vertical(None, UpAxis::NegativeY).index(), 1);
     }
 
     #[test]

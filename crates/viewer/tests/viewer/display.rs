@@ -7,7 +7,7 @@ use pellucid_engine::methods::encode::byte_steps;
 use pellucid_gpu::{Buffer, Memory};
 use pellucid_scene::{ColorSpace, Document, Overrides, Scene};
 use pellucid_testing::with_device;
-use pellucid_viewer::display::{Display, SceneImage, ScreenEncoder};
+use pellucid_viewer::display::{self, SceneImage, ScreenEncoder};
 use rand::{RngExt, SeedableRng};
 
 /// An empty scene with a picture of this size.
@@ -23,7 +23,7 @@ fn composed_pixels_are_those_of_the_image() {
     let scene = scene([2, 1], "linear");
     let composed = SceneImage { size: [2, 1], scene: &scene }.composed(&[[0.25, 0.0, 0.0, 0.5], [0.0; 4]]);
     assert_eq!(composed, [[0.5, 0.5, 0.0], [0.5, 1.0, 0.0]]);
-    let bytes = Display::default().bytes(&composed, ColorSpace::Linear);
+    let bytes = display::bytes(&composed, ColorSpace::Linear);
     assert_eq!(bytes, [188, 188, 0, 255, 188, 255, 0, 255]);
 }
 
@@ -57,7 +57,7 @@ fn the_devices_bytes_are_those_of_the_host() {
             let colors = device.buffer("colors", pixels.len() as u64, Memory::Device).unwrap();
             colors.upload(&pixels).unwrap();
             let image = SceneImage { size, scene: &scene };
-            let host = Display::default().bytes(&image.composed(&pixels), scene.image.color_space());
+            let host = display::bytes(&image.composed(&pixels), scene.image.color_space());
             let swapped: Vec<u8> = host.chunks(4).flat_map(|p| [p[2], p[1], p[0], p[3]]).collect();
             for (blue_first, wanted) in [(false, &host), (true, &swapped)] {
                 let mut encoder = ScreenEncoder::new(device, blue_first).unwrap();
@@ -82,7 +82,7 @@ fn the_device_enlarges_as_the_host_does() {
             colors.upload(&pixels).unwrap();
             let image = SceneImage { size: from, scene: &scene };
             let shown = ScreenEncoder::new(device, false).unwrap().encode(colors.all(), image).unwrap();
-            let host = Display::default().bytes(&image.composed(&pixels), scene.image.color_space());
+            let host = display::bytes(&image.composed(&pixels), scene.image.color_space());
             let most = bytes(&shown).iter().zip(&host).map(|(a, b)| a.abs_diff(*b)).max();
             assert!(most <= Some(1), "{from:?} to {to:?}: {most:?}");
         }

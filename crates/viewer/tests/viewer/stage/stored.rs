@@ -10,7 +10,6 @@ use pellucid_io::store::build::Settings;
 use pellucid_io::store::{self, Store};
 use pellucid_scene::{self as scene, procedural};
 use pellucid_session::Silent;
-use pellucid_viewer::Opened;
 use pellucid_viewer::messages::CloudShare;
 use pellucid_viewer::statistics::Statistics;
 
@@ -57,20 +56,16 @@ impl Case {
     }
 
     fn of(device: &Device, folder: tempfile::TempDir, path: &Path) -> Self {
-        let hidden = Progress::hidden();
-        let named = || {
-            let mut named = scene::name(&[path.to_path_buf()], &Overrides::default(), SEED).unwrap();
-            named.document.put("image.size", Setting::Integers(vec![243, 182])).unwrap();
-            named
-        };
-        let scene = named().document.scene().unwrap();
-        let open = |memory| Opened::open(named(), &scene, memory, &Silent, &hidden).unwrap();
-        let Opened { sources, document, .. } = open(LITTLE.host_memory);
+        let mut named = scene::name(&[path.to_path_buf()], &Overrides::default(), SEED).unwrap();
+        named.document.put("image.size", Setting::Integers(vec![243, 182])).unwrap();
+        let (scene, hidden) = (named.document.scene().unwrap(), Progress::hidden());
+        let open = |setup: Setup| Sources::open(&named.input, &scene, setup.limits(), &Silent, &hidden).unwrap();
+        let sources = open(LITTLE);
         assert!(matches!(sources.clouds(), Clouds::Stored(_)));
         let stage = SceneRenderer::new(device, sources, &LITTLE).unwrap();
-        let Clouds::Held(clouds) = open(u64::MAX).sources.clouds().clone() else { panic!("there is memory enough") };
+        let Clouds::Held(clouds) = open(SETUP).clouds().clone() else { panic!("there is memory enough") };
         let clouds = clouds.into_iter().map(Arc::unwrap_or_clone).collect();
-        Self { _folder: folder, document, stage, clouds }
+        Self { _folder: folder, document: named.document, stage, clouds }
     }
 }
 
