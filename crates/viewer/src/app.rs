@@ -13,7 +13,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, NamedKey};
 use winit::window::{Fullscreen, Window, WindowId};
 
-use super::graphics::{Graphics, Opening, Wake};
+use super::graphics::{Graphics, Opening};
 use super::loss::{self, Losses};
 use super::messages::{News, Task};
 use super::model::Model;
@@ -82,7 +82,7 @@ pub struct App {
 }
 
 impl App {
-    pub fn new(options: Options, proxy: EventLoopProxy<Wake>, say: Box<dyn Fn(&str)>) -> Self {
+    pub fn new(options: Options, proxy: EventLoopProxy<()>, say: Box<dyn Fn(&str)>) -> Self {
         let opening = Opening { options: options.device.clone(), setup: options.setup, proxy };
         Self { options: Some(options), opening, say, running: None, logs: Vec::new(), outcome: Ok(()) }
     }
@@ -175,7 +175,7 @@ fn title(name: &str) -> String {
     format!("{name} – pellucid")
 }
 
-impl ApplicationHandler<Wake> for App {
+impl ApplicationHandler for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         let Some(options) = self.options.take() else { return };
         match self.start(event_loop, options) {
@@ -184,7 +184,7 @@ impl ApplicationHandler<Wake> for App {
         }
     }
 
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, _: Wake) {
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, (): ()) {
         self.with_running(event_loop, |running, _| {
             while let Some(news) = running.graphics.as_ref().and_then(|graphics| graphics.worker.news()) {
                 running.model.take_in(news)?;
@@ -322,11 +322,6 @@ impl Running {
         [self.again_at, self.model.due_at(now), drop_at].into_iter().flatten().min()
     }
 
-    /// True if the window can't be seen.
-    fn is_hidden(&self) -> bool {
-        self.covered || self.is_minimized()
-    }
-
     fn is_minimized(&self) -> bool {
         self.visibility.is_minimized(&self.window)
     }
@@ -340,7 +335,7 @@ impl Running {
                 task => self.held_back = Some(task),
             }
         }
-        let hidden = self.held_back.is_some() && self.is_hidden();
+        let hidden = self.held_back.is_some() && (self.covered || self.is_minimized());
         if let Some(task) = self.held_back.take_if(|_| !hidden) {
             graphics.worker.ask(task);
         }

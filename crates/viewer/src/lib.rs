@@ -86,7 +86,7 @@ fn plain(reason: &str) -> String {
 }
 
 /// A connection to the display.
-pub struct Display(EventLoop<graphics::Wake>);
+pub struct Display(EventLoop<()>);
 
 impl Display {
     /// Connects, which is only possible on the main thread.
@@ -97,7 +97,7 @@ impl Display {
         // The window library panics where a library of the system is missing.
         let hook = std::panic::take_hook();
         std::panic::set_hook(Box::new(|_| {}));
-        let made = std::panic::catch_unwind(|| EventLoop::with_user_event().build());
+        let made = std::panic::catch_unwind(|| EventLoop::new());
         std::panic::set_hook(hook);
         match made {
             Ok(Ok(event_loop)) => Ok(Self(event_loop)),

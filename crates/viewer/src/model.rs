@@ -59,11 +59,7 @@ pub enum Passes {
 impl Passes {
     /// Returns the state after pressing T so many times.
     pub fn after(self, presses: usize) -> Self {
-        (0..presses % 3).fold(self, |passes, _| match passes {
-            Self::Total => Self::List,
-            Self::List => Self::Hidden,
-            Self::Hidden => Self::Total,
-        })
+        [Self::Total, Self::List, Self::Hidden][(self as usize + presses) % 3]
     }
 }
 

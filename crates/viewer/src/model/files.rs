@@ -33,8 +33,7 @@ impl Model {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
         let (cameras, files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| import::is_cameras(file));
         if cameras.len() > 1 {
-            self.show_error("only one camera path can be open: give one file of cameras");
-            return;
+            return self.show_error("only one camera path can be open: give one file of cameras");
         }
         self.show_note(format!("reading {}", names.join(", ")));
         if !files.is_empty() {
@@ -123,17 +122,12 @@ impl Model {
             (Pose::At(camera), _) => Some(camera),
         };
         if let Some(camera) = shown {
-            document.remove("camera", "fov_y");
-            document.remove("camera", "height");
-            document.remove("camera", "ortho");
-            let vectors = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)]
-                .map(|(key, vector)| (key, vector.map(|vector| Setting::from(vector.to_array()))));
-            // A key may have depths of its own.
-            let numbers =
-                [("fov_y", camera.fov_y), ("height", camera.height), ("near", camera.near), ("far", camera.far)]
-                    .map(|(key, number)| (key, number.map(Setting::Number)));
-            for (key, value) in vectors.into_iter().chain(numbers).filter_map(|(key, value)| Some((key, value?))) {
-                document.put(&format!("camera.{key}"), value)?;
+            ["fov_y", "height", "ortho"].iter().for_each(|key| document.remove("camera", key));
+            // A key of a path may have depths of its own.
+            for key in camera.keys().into_iter().filter(|key| key.name != "ortho") {
+                if let Some(value) = key.value {
+                    document.put(&format!("camera.{}", key.name), value)?;
+                }
             }
         }
         Ok(document)
@@ -154,8 +148,7 @@ impl Model {
         named.push(".toml");
         let named = PathBuf::from(named);
         if named.exists() {
-            let problem = format!("{} exists; enter its full name to replace it", named.display());
-            self.show_error(problem);
+            self.show_error(format!("{} exists; enter its full name to replace it", named.display()));
         } else {
             self.save_to(false, Some(named));
         }

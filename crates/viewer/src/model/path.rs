@@ -52,12 +52,9 @@ impl Model {
 
     /// Makes the present camera a key behind the one that is selected, or at the end.
     pub fn add_key(&mut self) {
-        if let Some(key) = self.key() {
-            if self.change_route(|route, defaults| route.add(key, defaults)) {
-                self.go_to_key(self.route.selected().unwrap_or(0));
-            }
-        } else {
-            self.show_note("no picture yet to take a key from");
+        let Some(key) = self.key() else { return self.show_note("no picture yet to take a key from") };
+        if self.change_route(|route, defaults| route.add(key, defaults)) {
+            self.go_to_key(self.route.selected().unwrap_or(0));
         }
     }
 

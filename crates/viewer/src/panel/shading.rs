@@ -7,7 +7,7 @@ use super::row::{choice_row, name, note, row, vector};
 use crate::controls;
 use crate::model::Model;
 use pellucid_core::cloud::UpAxis;
-use pellucid_scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View, rounded};
+use pellucid_scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View};
 
 /// Azimuth and elevation of a light that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
@@ -174,22 +174,14 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
 
 /// The changes that cast shadows, as they were under a light. Its radius is no use under a light of another kind.
 fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
-    let default = Shadows::default();
-    let (shadows, before) = kept.unwrap_or((default, light));
-    let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
-    let number = |x: f32| Setting::Number(rounded(x));
-    let given = [
-        ("method", Some(Setting::Word("texture".to_owned()))),
-        ("samples", (shadows.samples != default.samples).then_some(Setting::Integer(shadows.samples))),
-        ("light_radius", (same && shadows.light_radius > 0.0).then(|| number(shadows.light_radius))),
-        ("resolution", (shadows.resolution != default.resolution).then_some(Setting::Integer(shadows.resolution))),
-        ("min_layer_distance", shadows.min_layer_distance.map(number)),
-    ];
-    given
-        .into_iter()
-        .filter(|(_, value)| value.is_some())
-        .map(|(key, value)| (format!("shadows.{key}"), value))
-        .collect()
+    let (mut shadows, before) = kept.unwrap_or((Shadows::default(), light));
+    if std::mem::discriminant(&before) != std::mem::discriminant(&light) {
+        shadows.light_radius = 0.0;
+    }
+    let keys = shadows.keys().into_iter().zip(Shadows::default().keys());
+    let given = keys.filter(|(key, default)| key.value != default.value).map(|(key, _)| (key.name, key.value));
+    let method = ("method", Some(Setting::from("texture")));
+    std::iter::once(method).chain(given).map(|(key, value)| (format!("shadows.{key}"), value)).collect()
 }
 
 #[cfg(test)]
