@@ -153,7 +153,8 @@ impl App {
             Ok(false) => {}
             Ok(true) => event_loop.exit(),
             Err(error) => {
-                let begun_anew = match error.engine().and_then(loss::during) {
+                let during = if let Error::Engine(error) = &error { loss::during(error) } else { None };
+                let begun_anew = match during {
                     Some(during) => running.begin_anew(&self.opening, during, &mut self.logs),
                     None => Err(error),
                 };

@@ -63,24 +63,20 @@ impl Screen {
             stale: true,
             context,
         };
-        screen.make_handles()?;
-        Ok(screen)
-    }
-
-    fn make_handles(&mut self) -> Result<(), Error> {
-        let device = &self.context.device;
+        let device = &screen.context.device;
         let pool = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(self.context.queue_family)
+            .queue_family_index(screen.context.queue_family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: a live device; drop destroys what was made so far.
         unsafe {
-            self.pool = device.create_command_pool(&pool, None).map_err(Error::call("vkCreateCommandPool"))?;
-            let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
-            self.commands = device.allocate_command_buffers(&info).map_err(Error::call("vkAllocateCommandBuffers"))?[0];
+            screen.pool = device.create_command_pool(&pool, None).map_err(Error::call("vkCreateCommandPool"))?;
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(screen.pool).command_buffer_count(1);
+            let commands = device.allocate_command_buffers(&info);
+            screen.commands = commands.map_err(Error::call("vkAllocateCommandBuffers"))?[0];
             let fence = device.create_fence(&vk::FenceCreateInfo::default(), None);
-            self.fence = fence.map_err(Error::call("vkCreateFence"))?;
+            screen.fence = fence.map_err(Error::call("vkCreateFence"))?;
         }
-        Ok(())
+        Ok(screen)
     }
 
     /// Returns `true` if pixels are B, G, R, A in memory, and not R, G, B, A.
