@@ -282,8 +282,8 @@ impl SceneRenderer {
         request
     }
 
-    /// Brings the scene's points to the device, the missing and the changed ones, and finds the camera. Returns what has
-    /// changed.
+    /// Brings the scene's points to the device, the missing and the changed ones, and finds the camera. Returns the
+    /// changes.
     ///
     /// # Errors
     /// The points can't be made or uploaded; those of another scene may.
