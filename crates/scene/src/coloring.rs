@@ -367,6 +367,11 @@ fn doubles(values: &[f32]) -> Vec<f64> {
     parallel::map_each(values, |value| f64::from(*value))
 }
 
+/// Returns the quantity that [`ColorBy::Auto`] shows of a cloud.
+pub fn automatic(cloud: &Cloud) -> ColorBy {
+    Choice::of(&ColorBy::Auto, cloud, None).by
+}
+
 /// Returns how the points of each cloud are colored and why, a sentence for each.
 pub fn colorings(scene: &Scene, clouds: &[impl Borrow<Cloud>]) -> Vec<String> {
     let describe = |(index, cloud)| Coloring::of(scene, index, cloud).describe();

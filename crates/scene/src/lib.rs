@@ -52,7 +52,7 @@ pub use assemble::{
     arrange, arrange_with_legend, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis,
 };
 pub use choice::MethodChoice;
-pub use coloring::colorings;
+pub use coloring::{automatic, colorings};
 pub use document::{Change, Document};
 pub use error::{Error, OpenError, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};

@@ -13,11 +13,10 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, NamedKey};
 use winit::window::{Fullscreen, Window, WindowId};
 
-use super::graphics::{Graphics, Opening, Wake};
+use super::graphics::{Graphics, Opening};
 use super::loss::{self, Losses};
-use super::messages::{News, Setup, Task};
+use super::messages::{News, Task};
 use super::model::Model;
-use super::sources::Opened;
 use super::status_log::StatusLog;
 use super::visibility::Visibility;
 use super::worker::Workload;
@@ -83,10 +82,8 @@ pub struct App {
 }
 
 impl App {
-    pub fn new(options: Options, proxy: EventLoopProxy<Wake>, say: Box<dyn Fn(&str)>) -> Self {
-        let Options { seed, memory_budget, host_memory, .. } = options;
-        let setup = Setup { seed, memory_budget, host_memory };
-        let opening = Opening { options: options.device.clone(), setup, proxy };
+    pub fn new(options: Options, proxy: EventLoopProxy<()>, say: Box<dyn Fn(&str)>) -> Self {
+        let opening = Opening { options: options.device.clone(), setup: options.setup, proxy };
         Self { options: Some(options), opening, say, running: None, logs: Vec::new(), outcome: Ok(()) }
     }
 
@@ -107,17 +104,17 @@ impl App {
     fn start(&mut self, event_loop: &ActiveEventLoop, options: Options) -> Result<Running> {
         let [width, height] = options.size;
         let attributes = Window::default_attributes()
-            .with_title(title(&options.opened.name))
+            .with_title(title(&options.named.name))
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(64, 64));
         let window = event_loop.create_window(attributes).map_err(super::no_display)?;
         let window = Arc::new(window);
-        let Opened { name, document, sources, generated } = options.opened;
-        let mut model = Model::new(name, document, options.view, options.budget_ms)?;
+        let workload =
+            Workload { sources: options.sources, generated: options.named.is_generated(), tasks: Vec::new() };
+        let mut model = Model::new(options.named.name, options.named.document, options.view, options.budget_ms)?;
         if let Some((file, source)) = options.path {
             model.take_path(file, source);
         }
-        let workload = Workload { sources, generated, tasks: Vec::new() };
         let graphics = Graphics::open(&self.opening, &window, workload, Textures::default(), &mut self.logs)?;
         model.progress = graphics.worker.progress.clone();
         let visibility = Visibility::for_window(&window);
@@ -156,7 +153,8 @@ impl App {
             Ok(false) => {}
             Ok(true) => event_loop.exit(),
             Err(error) => {
-                let begun_anew = match error.engine().and_then(loss::during) {
+                let during = if let Error::Engine(error) = &error { loss::during(error) } else { None };
+                let begun_anew = match during {
                     Some(during) => running.begin_anew(&self.opening, during, &mut self.logs),
                     None => Err(error),
                 };
@@ -178,7 +176,7 @@ fn title(name: &str) -> String {
     format!("{name} – pellucid")
 }
 
-impl ApplicationHandler<Wake> for App {
+impl ApplicationHandler for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         let Some(options) = self.options.take() else { return };
         match self.start(event_loop, options) {
@@ -187,7 +185,7 @@ impl ApplicationHandler<Wake> for App {
         }
     }
 
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, _: Wake) {
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, (): ()) {
         self.with_running(event_loop, |running, _| {
             while let Some(news) = running.graphics.as_ref().and_then(|graphics| graphics.worker.news()) {
                 running.model.take_in(news)?;
@@ -325,11 +323,6 @@ impl Running {
         [self.again_at, self.model.due_at(now), drop_at].into_iter().flatten().min()
     }
 
-    /// True if the window can't be seen.
-    fn is_hidden(&self) -> bool {
-        self.covered || self.is_minimized()
-    }
-
     fn is_minimized(&self) -> bool {
         self.visibility.is_minimized(&self.window)
     }
@@ -343,7 +336,7 @@ impl Running {
                 task => self.held_back = Some(task),
             }
         }
-        let hidden = self.held_back.is_some() && self.is_hidden();
+        let hidden = self.held_back.is_some() && (self.covered || self.is_minimized());
         if let Some(task) = self.held_back.take_if(|_| !hidden) {
             graphics.worker.ask(task);
         }

@@ -5,8 +5,6 @@ mod beside;
 mod classes;
 mod clips;
 mod clouds;
-#[cfg(test)]
-mod tests;
 
 pub use beside::{light_changes, method_changes};
 pub use classes::{ClassKey, ClassLook, class_changes, class_defaults, class_look};
@@ -46,9 +44,17 @@ pub enum Presence {
     /// Always.
     Always,
     /// A key that can be switched off; `without` describes the effect in a few words.
-    Optional { on: bool, without: String },
-    /// A key that excludes another one; on if it was chosen.
-    Rival { on: bool },
+    Optional {
+        /// True if the key has a value.
+        on: bool,
+        /// Effect of switching it off.
+        without: String,
+    },
+    /// A key that excludes another one.
+    Rival {
+        /// True if it was chosen.
+        on: bool,
+    },
 }
 
 /// A key's control.

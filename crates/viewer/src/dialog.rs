@@ -93,10 +93,9 @@ const KINDS: [(&str, FileKind); 3] = [
 
 /// The kind of a file, judged by its name, if it can be opened.
 fn kind(path: &Path) -> Option<FileKind> {
-    let has_extension = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     match path {
-        _ if has_extension("toml") => Some(FileKind::Scene),
-        _ if has_extension("json") || is_cameras(path) => Some(FileKind::Cameras),
+        _ if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) => Some(FileKind::Scene),
+        _ if is_cameras(path) => Some(FileKind::Cameras),
         _ => io::is_cloud(path).then_some(FileKind::Cloud),
     }
 }

@@ -1,7 +1,7 @@
 //! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on
 //! the device are encoded there ([`pellucid_io::output::encode`]).
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,35 +14,26 @@ use pellucid_gpu::{Buffer, Device, Slice};
 use pellucid_io::output::to_byte;
 use pellucid_scene::{ColorSpace, Scene};
 
-/// Converts linear values to sRGB bytes.
-pub struct Display {
-    /// The least value that becomes this byte, from 1 to 255.
-    steps: Vec<f32>,
+/// The linear values at which each byte begins, and one that nothing reaches.
+static STEPS: LazyLock<[f32; 257]> = LazyLock::new(|| byte_steps(ColorSpace::Linear));
+
+/// The sRGB byte of a linear value: the number of steps that it reaches; NaN is 0.
+fn srgb_byte(value: f32) -> u8 {
+    STEPS[1..256].partition_point(|step| *step <= value) as u8
 }
 
-impl Display {
-    pub fn new() -> Self {
-        Self { steps: byte_steps(ColorSpace::Linear)[1..256].to_vec() }
-    }
-
-    /// The byte of a linear value: the number of steps that it reaches; NaN is 0.
-    fn byte(&self, value: f32) -> u8 {
-        self.steps.partition_point(|step| *step <= value) as u8
-    }
-
-    /// R, G, B and 255 of each composed pixel, whose values are those of a color space.
-    pub fn bytes(&self, pixels: &[[f32; 3]], color: ColorSpace) -> Vec<u8> {
-        let mut bytes = vec![u8::MAX; 4 * pixels.len()];
-        bytes.par_chunks_exact_mut(4).zip(pixels).for_each(|(pixel, composed)| {
-            for (byte, value) in pixel.iter_mut().zip(composed) {
-                *byte = match color {
-                    ColorSpace::Linear => self.byte(*value),
-                    ColorSpace::Encoded => to_byte(*value),
-                };
-            }
-        });
-        bytes
-    }
+/// R, G, B and 255 of each composed pixel, whose values are those of a color space.
+pub fn bytes(pixels: &[[f32; 3]], color: ColorSpace) -> Vec<u8> {
+    let mut bytes = vec![u8::MAX; 4 * pixels.len()];
+    bytes.par_chunks_exact_mut(4).zip(pixels).for_each(|(pixel, composed)| {
+        for (byte, value) in pixel.iter_mut().zip(composed) {
+            *byte = match color {
+                ColorSpace::Linear => srgb_byte(*value),
+                ColorSpace::Encoded => to_byte(*value),
+            };
+        }
+    });
+    bytes
 }
 
 /// An image of a scene, which may have fewer pixels than the scene says.
@@ -72,7 +63,6 @@ impl SceneImage<'_> {
 /// Encodes pictures for display, on the GPU if the colors are resident there.
 pub struct ScreenEncoder {
     encoder: Encoder,
-    display: Display,
     /// True if the screen has blue first in memory.
     blue_first: bool,
 }
@@ -83,7 +73,7 @@ impl ScreenEncoder {
     /// # Errors
     /// Vulkan errors.
     pub fn new(device: &Device, blue_first: bool) -> Result<Self> {
-        Ok(Self { encoder: Encoder::new(device)?, display: Display::new(), blue_first })
+        Ok(Self { encoder: Encoder::new(device)?, blue_first })
     }
 
     /// The bytes of an image whose colors are on the device.
@@ -107,7 +97,7 @@ impl ScreenEncoder {
     /// # Errors
     /// Vulkan errors.
     pub fn upload(&mut self, composed: &[[f32; 3]], scene: &Scene) -> Result<Arc<Buffer<u32>>> {
-        let rgba = self.display.bytes(composed, scene.image.color_space());
+        let rgba = bytes(composed, scene.image.color_space());
         Ok(self.encoder.upload(&rgba, scene.image.size, self.blue_first)?)
     }
 }
@@ -174,26 +164,20 @@ pub fn enlarge_depths(depths: &[f32], from: [u32; 2], to: [u32; 2]) -> Vec<f32> 
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use pellucid_core::color::encode_srgb;
-    use pellucid_gpu::Memory;
-    use pellucid_scene::{Document, Overrides};
-    use pellucid_testing::with_device;
     use rand::{RngExt, SeedableRng};
 
     #[test]
     fn every_byte_is_that_of_the_png() {
-        let display = Display::new();
         let mut random = rand_pcg::Pcg64::seed_from_u64(7);
         let near =
             |value: f32| (-3..=3).map(move |ulps: i32| f32::from_bits(value.to_bits().wrapping_add_signed(ulps)));
-        let steps = display.steps.iter().copied().flat_map(near);
+        let steps = STEPS[1..256].iter().copied().flat_map(near);
         let odd = [0.0, -0.0, -1.0, 1.0, 1.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE];
         let chance = (0..200_000).map(|_| random.random_range(-0.1..1.1f32).powi(3));
         for value in steps.chain(odd).chain(chance) {
-            assert_eq!(display.byte(value), to_byte(encode_srgb(value)), "{value}");
+            assert_eq!(srgb_byte(value), to_byte(encode_srgb(value)), "{value}");
         }
     }
 
@@ -225,102 +209,5 @@ mod tests {
         assert_eq!(large[..4], [1.0, 1.0, f32::INFINITY, f32::INFINITY]);
         assert_eq!(large[12..], [3.0, 3.0, 4.0, 4.0]);
         assert_eq!(enlarge_depths(&depths, [2, 2], [2, 2]), depths);
-    }
-
-    /// An empty scene with a picture of this size.
-    fn scene([width, height]: [u32; 2], color: &str) -> Scene {
-        let text = format!(
-            "[image]\nsize = [{width}, {height}]\nbackground = [0.5, 1.0, 0.0]\ncolor = '{color}'\n[[cloud]]\npath = 'a.ply'"
-        );
-        Document::from_toml(&text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap().scene().unwrap()
-    }
-
-    #[test]
-    fn composed_pixels_are_those_of_the_image() {
-        let scene = scene([2, 1], "linear");
-        let composed = SceneImage { size: [2, 1], scene: &scene }.composed(&[[0.25, 0.0, 0.0, 0.5], [0.0; 4]]);
-        assert_eq!(composed, [[0.5, 0.5, 0.0], [0.5, 1.0, 0.0]]);
-        let bytes = Display::new().bytes(&composed, ColorSpace::Linear);
-        assert_eq!(bytes, [188, 188, 0, 255, 188, 255, 0, 255]);
-    }
-
-    /// Values near each step of a byte, others by chance, and some that are no colors.
-    fn pixels(count: usize) -> Vec<[f32; 4]> {
-        let mut random = rand_pcg::Pcg64::seed_from_u64(11);
-        let odd = [0.0, -0.0, -1.0, 1.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE, 1e-42];
-        let mut value = |i: usize| match i % 4 {
-            0 => odd[random.random_range(0..odd.len())],
-            1 => random.random_range(-0.1..1.1f32),
-            _ => {
-                let color = if i % 8 < 4 { ColorSpace::Linear } else { ColorSpace::Encoded };
-                let step = byte_steps(color)[random.random_range(1..256)];
-                f32::from_bits(step.to_bits().wrapping_add_signed(random.random_range(-2..3)))
-            }
-        };
-        (0..count)
-            .map(|i| [value(5 * i), value(7 * i + 1), value(3 * i + 2), if i % 3 == 0 { 0.5 } else { 1.0 }])
-            .collect()
-    }
-
-    /// Bytes of a picture in the order of memory.
-    fn bytes(shown: &Buffer<u32>) -> Vec<u8> {
-        shown.read(0, shown.len()).unwrap().into_iter().flat_map(u32::to_le_bytes).collect()
-    }
-
-    #[test]
-    fn the_devices_bytes_are_those_of_the_host() {
-        with_device(|device| {
-            for (size, color) in [([161, 100], "linear"), ([64, 300], "encoded")] {
-                let scene = scene(size, color);
-                let pixels = pixels((size[0] * size[1]) as usize);
-                let colors = device.buffer("colors", pixels.len() as u64, Memory::Device).unwrap();
-                colors.upload(&pixels).unwrap();
-                let image = SceneImage { size, scene: &scene };
-                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color_space());
-                let swapped: Vec<u8> = host.chunks(4).flat_map(|p| [p[2], p[1], p[0], p[3]]).collect();
-                for (blue_first, wanted) in [(false, &host), (true, &swapped)] {
-                    let mut encoder = ScreenEncoder::new(device, blue_first).unwrap();
-                    let encoded = encoder.encode(colors.all(), image).unwrap();
-                    assert!(bytes(&encoded) == *wanted, "{color}, {blue_first}");
-                    let uploaded = encoder.upload(&image.composed(&pixels), &scene).unwrap();
-                    assert!(bytes(&uploaded) == *wanted, "{color}, {blue_first}");
-                }
-            }
-        });
-    }
-
-    /// Weights are float64 on the host.
-    #[test]
-    fn the_device_enlarges_as_the_host_does() {
-        with_device(|device| {
-            let mut random = rand_pcg::Pcg64::seed_from_u64(5);
-            for (from, to) in [([31, 21], [123, 82]), ([50, 40], [50, 41]), ([1, 1], [7, 5])] {
-                let scene = scene(to, "linear");
-                let pixels: Vec<[f32; 4]> = (0..from[0] * from[1]).map(|_| random.random()).collect();
-                let colors = device.buffer("colors", pixels.len() as u64, Memory::Device).unwrap();
-                colors.upload(&pixels).unwrap();
-                let image = SceneImage { size: from, scene: &scene };
-                let shown = ScreenEncoder::new(device, false).unwrap().encode(colors.all(), image).unwrap();
-                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color_space());
-                let most = bytes(&shown).iter().zip(&host).map(|(a, b)| a.abs_diff(*b)).max();
-                assert!(most <= Some(1), "{from:?} to {to:?}: {most:?}");
-            }
-        });
-    }
-
-    #[test]
-    fn pictures_that_nobody_holds_are_written_again() {
-        with_device(|device| {
-            let scene = scene([8, 4], "linear");
-            let mut encoder = ScreenEncoder::new(device, false).unwrap();
-            let mut upload = |value: f32| encoder.upload(&[[value; 3]; 32], &scene).unwrap();
-            let (first, second) = (upload(0.0), upload(1.0));
-            assert!(!Arc::ptr_eq(&first, &second));
-            let before = Arc::as_ptr(&first);
-            drop(first);
-            let third = upload(1.0);
-            assert_eq!(Arc::as_ptr(&third), before);
-            assert_eq!(second.read(0, 32).unwrap(), vec![u32::MAX; 32]);
-        });
     }
 }

@@ -45,16 +45,6 @@ pub enum Error {
 /// A result with the window's [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-impl Error {
-    /// The engine's error, if it is one.
-    pub fn engine(&self) -> Option<&pellucid_engine::Error> {
-        match self {
-            Self::Engine(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
 impl From<pellucid_gpu::Error> for Error {
     fn from(error: pellucid_gpu::Error) -> Self {
         Self::Engine(error.into())

@@ -11,15 +11,12 @@ use pellucid_engine::Result;
 use pellucid_gpu::{Device, DeviceOptions, ValidationLog};
 use pellucid_window::{Screen, Textures};
 
-/// The worker has news.
-#[derive(Debug)]
-pub struct Wake;
-
 /// Settings with which a device is opened, each time.
 pub struct Opening {
     pub options: DeviceOptions,
     pub setup: Setup,
-    pub proxy: EventLoopProxy<Wake>,
+    /// Wakes the loop when the worker has news.
+    pub proxy: EventLoopProxy<()>,
 }
 
 /// The fields go in this order: the worker is the first to end.
@@ -47,7 +44,7 @@ impl Graphics {
         let screen = Screen::new(&device, textures)?;
         let proxy = opening.proxy.clone();
         // A loop that is gone needs no news.
-        let wake = move || drop(proxy.send_event(Wake));
+        let wake = move || proxy.send_event(()).unwrap_or_default();
         let worker = Worker::start(&device, workload, opening.setup, screen.blue_first(), wake)?;
         Ok(Self { worker, screen, device })
     }
@@ -61,7 +58,11 @@ impl Graphics {
         drop(screen);
         drop(device);
         ended.map(|(workload, mut news)| {
-            news.iter_mut().for_each(News::release);
+            for news in &mut news {
+                if let News::Picture(picture) = news {
+                    picture.pixels = None;
+                }
+            }
             (workload, news, textures)
         })
     }

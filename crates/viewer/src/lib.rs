@@ -5,7 +5,7 @@
 //!   next one is due.
 //! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
 //! - `messages`: the requests of the window, and the replies of the worker.
-//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores (`sources`), and the
+//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores, and the
 //!   [`Session`](pellucid_session::Session) that `render` uses, too. `draft` decides what is left out while things
 //!   move: samples, pixels and points (`thinned`). `accuracy` measures the error of drafts and approximations, `times`
 //!   keeps frame times, `save` writes scene and picture, `display` converts pixels to bytes.
@@ -14,61 +14,59 @@
 //! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`,
 //!   `handles` of clip boxes) and hands the picture to the [`Screen`](pellucid_window::Screen).
 
-mod accuracy;
+pub mod accuracy;
 mod app;
-mod controls;
+pub mod controls;
 mod counts;
 mod dialog;
-mod display;
-mod draft;
+pub mod display;
+pub mod draft;
 mod error;
 mod graphics;
 mod handles;
 mod hints;
 mod legend;
 mod loss;
-mod messages;
-mod model;
-mod navigate;
+pub mod messages;
+pub mod model;
+pub mod navigate;
 mod overlay;
 mod panel;
-mod pointer;
+pub mod pointer;
 mod route;
 mod save;
-mod sources;
-mod stage;
-mod statistics;
+pub mod stage;
+pub mod statistics;
 mod status_log;
 mod thinned;
 mod times;
 mod ui;
 mod visibility;
-mod worker;
+pub mod worker;
 
 pub use error::{Error, Result};
-pub use sources::Opened;
+pub use messages::Setup;
 use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
 
 use pellucid_core::camera::import::CameraSource;
 use pellucid_gpu::DeviceOptions;
-use pellucid_scene::View;
+use pellucid_scene::{Named, View};
+use pellucid_session::Sources;
 
 /// The scene to show, and the settings of the window.
 pub struct Options {
-    /// The scene and its clouds.
-    pub opened: Opened,
+    /// The scene.
+    pub named: Named,
+    /// The clouds of the scene.
+    pub sources: Sources,
     /// The view asked for, if any.
     pub view: View,
-    /// Seed of stochastic methods and of the built-in scene.
-    pub seed: u64,
+    /// Settings that stay the same when other files are opened.
+    pub setup: Setup,
     /// The device to open.
     pub device: DeviceOptions,
-    /// Device bytes for a frame's fragments.
-    pub memory_budget: Option<u64>,
-    /// Bytes of memory for points: clouds that take more stay in their files.
-    pub host_memory: u64,
     /// Columns and rows of the window, in pixels of a display of ordinary density.
     pub size: [u32; 2],
     /// Milliseconds that a frame should take while things move.
@@ -88,7 +86,7 @@ fn plain(reason: &str) -> String {
 }
 
 /// A connection to the display.
-pub struct Display(EventLoop<graphics::Wake>);
+pub struct Display(EventLoop<()>);
 
 impl Display {
     /// Connects, which is only possible on the main thread.
@@ -99,7 +97,7 @@ impl Display {
         // The window library panics where a library of the system is missing.
         let hook = std::panic::take_hook();
         std::panic::set_hook(Box::new(|_| {}));
-        let made = std::panic::catch_unwind(|| EventLoop::with_user_event().build());
+        let made = std::panic::catch_unwind(|| EventLoop::new());
         std::panic::set_hook(hook);
         match made {
             Ok(Ok(event_loop)) => Ok(Self(event_loop)),

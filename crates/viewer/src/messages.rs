@@ -16,6 +16,7 @@ use pellucid_engine::plan::Step;
 use pellucid_gpu::Buffer;
 use pellucid_scene::legend::Legend;
 use pellucid_scene::{Document, Scene};
+use pellucid_session::{Limits, Residence};
 
 /// Settings that stay the same when other files are opened.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +27,13 @@ pub struct Setup {
     pub memory_budget: Option<u64>,
     /// Bytes of memory for points: clouds that take more stay in their files.
     pub host_memory: u64,
+}
+
+impl Setup {
+    /// Limits on reading clouds. The window leaves points out while it moves, and draws all at rest.
+    pub fn limits(&self) -> Limits {
+        Limits { memory: self.host_memory, residence: Residence::Memory }
+    }
 }
 
 /// A picture that is wanted.
@@ -143,15 +151,6 @@ pub enum News {
     Gone,
     /// Rendering is no longer possible.
     Lost(Error),
-}
-
-impl News {
-    /// Gives up what is on the device.
-    pub fn release(&mut self) {
-        if let Self::Picture(picture) = self {
-            picture.pixels = None;
-        }
-    }
 }
 
 impl Task {

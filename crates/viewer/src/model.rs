@@ -23,9 +23,14 @@ use pellucid_scene::{Document, Scene, Setting, View};
 
 mod due;
 mod edit;
+mod files;
+mod path;
+
+pub use due::STILL;
+pub use files::Saved;
 
 /// Time for which nothing may move before a complete picture is due.
-const REST: Duration = Duration::from_millis(150);
+pub const REST: Duration = Duration::from_millis(150);
 
 /// Pixels around the pointer in which a depth is looked for.
 const PICK_PX: i64 = 6;
@@ -54,11 +59,7 @@ pub enum Passes {
 impl Passes {
     /// Returns the state after pressing T so many times.
     pub fn after(self, presses: usize) -> Self {
-        (0..presses % 3).fold(self, |passes, _| match passes {
-            Self::Total => Self::List,
-            Self::List => Self::Hidden,
-            Self::Hidden => Self::Total,
-        })
+        [Self::Total, Self::List, Self::Hidden][(self as usize + presses) % 3]
     }
 }
 
@@ -195,6 +196,16 @@ impl Model {
     /// The scene, without the camera and the size that the window gives it.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The place that pictures are taken from.
+    pub fn pose(&self) -> Pose {
+        self.pose
+    }
+
+    /// The camera's position and movements, once they are known.
+    pub fn navigator(&self) -> Option<Navigator> {
+        self.navigator
     }
 
     /// The last picture.
@@ -411,15 +422,13 @@ impl Model {
     /// Replaces the scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
         self.take_answer();
+        let old = std::mem::replace(self, Self::new(name, document, View::default(), self.budget_ms)?);
         // Files that were asked for after these are still on their way.
-        let (busy, pending, tasks) = (self.busy, std::mem::take(&mut self.pending), std::mem::take(&mut self.tasks));
-        let saved = self.saved.take();
-        let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
+        (self.busy, self.pending, self.tasks) = (old.busy, old.pending, old.tasks);
+        (self.shows, self.viewport, self.serial) = (old.shows, old.viewport, old.serial);
+        (self.progress, self.saved, self.route) = (old.progress, old.saved, old.route);
         // Keys are positions in the world, which another scene may share.
-        let mut route = std::mem::take(&mut self.route);
-        route.invalidate();
-        let new = Self::new(name, document, View::default(), self.budget_ms)?;
-        *self = Self { shows, viewport, serial, saved, route, progress, busy, pending, tasks, ..new };
+        self.route.invalidate();
         self.show_note(format!("{}: opened", self.name));
         Ok(())
     }
@@ -454,11 +463,3 @@ impl Model {
         self.receive_path();
     }
 }
-
-mod files;
-mod path;
-
-pub use files::Saved;
-
-#[cfg(test)]
-mod tests;

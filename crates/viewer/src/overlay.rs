@@ -158,15 +158,8 @@ fn facts(ui: &mut Ui, picture: &WindowPicture) {
     if facts.fragments > 0 {
         lines.push(format!("{} fragments, the longest list {}", facts.fragments, facts.max_list));
     }
-    if facts.samples > 0 {
-        lines.push(format!("{} samples per pixel", facts.samples));
-    }
-    if facts.ensembles > 0 {
-        lines.push(format!("{} ensembles", facts.ensembles));
-    }
-    if facts.layers > 0 {
-        lines.push(format!("{} layers", facts.layers));
-    }
+    let steps = [(facts.samples, "samples per pixel"), (facts.ensembles, "ensembles"), (facts.layers, "layers")];
+    lines.extend(steps.iter().filter(|(count, _)| *count > 0).map(|(count, of)| format!("{count} {of}")));
     lines.push(format!("device memory {}, {} band(s)", ByteSize(facts.peak_device_bytes), facts.bands));
     for line in lines {
         ui.label(RichText::new(line).size(11.5));

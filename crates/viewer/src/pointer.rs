@@ -93,9 +93,9 @@ pub fn keys(ctx: &Context, model: &mut Model) -> bool {
         model.look_from(View::default());
     }
     let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7];
-    for (key, (name, _)) in digits.into_iter().zip(VIEWS) {
+    for (key, (name, ..)) in digits.into_iter().zip(VIEWS) {
         if pressed(Modifiers::NONE, key) {
-            model.look_from(View { name: Some(name), ..View::default() });
+            model.look_from(View { name: Some(*name), ..View::default() });
         }
     }
     fly(ctx, model);

@@ -13,10 +13,8 @@ const RATE: u32 = 25;
 /// A change that makes no valid path is refused, and nothing changes.
 #[derive(Debug, Clone)]
 pub struct Route {
-    keys: Vec<Key>,
-    closed: bool,
-    /// Width and height in pixels of the pictures, if a file said.
-    size: Option<[u32; 2]>,
+    /// The path; its size is that of a file.
+    path: CameraPath,
     selected: Option<usize>,
     /// Seconds from key to key without times.
     pace: f64,
@@ -31,9 +29,7 @@ pub struct Route {
 impl Default for Route {
     fn default() -> Self {
         Self {
-            keys: Vec::new(),
-            closed: false,
-            size: None,
+            path: CameraPath::new(Vec::new()),
             selected: None,
             pace: PACE,
             rate: RATE,
@@ -47,7 +43,7 @@ impl Default for Route {
 impl Route {
     /// The keys in their order.
     pub fn keys(&self) -> &[Key] {
-        &self.keys
+        &self.path.keys
     }
 
     /// The key that is selected, from 0.
@@ -57,12 +53,12 @@ impl Route {
 
     /// True if the camera returns from the last key to the first.
     pub fn is_closed(&self) -> bool {
-        self.closed
+        self.path.closed
     }
 
     /// True if each key has its own time, in seconds.
     pub fn is_timed(&self) -> bool {
-        self.keys.first().is_some_and(|key| key.time.is_some())
+        self.keys().first().is_some_and(|key| key.time.is_some())
     }
 
     /// True while the camera runs.
@@ -113,7 +109,7 @@ impl Route {
     }
 
     fn is_open(&self) -> bool {
-        !self.closed || self.keys.len() < 2
+        !self.path.closed || self.keys().len() < 2
     }
 
     /// Seconds of a unit of the keys' times.
@@ -123,8 +119,8 @@ impl Route {
 
     /// The times of the path's ends, in its own units.
     fn ends(&self) -> [f64; 2] {
-        let count = self.keys.len();
-        let time = |at: usize| self.keys.get(at).and_then(|key| key.time).unwrap_or(at as f64);
+        let count = self.keys().len();
+        let time = |at: usize| self.keys().get(at).and_then(|key| key.time).unwrap_or(at as f64);
         let (first, last) = (time(0), time(count.saturating_sub(1)));
         // The way back takes as long as between two others on average.
         let back = if self.is_open() { 0.0 } else { (last - first) / (count - 1) as f64 };
@@ -133,7 +129,7 @@ impl Route {
 
     /// The path as a file holds it; `size` is that of the pictures if no file said one.
     pub fn path(&self, size: [u32; 2]) -> CameraPath {
-        CameraPath { size: self.size.or(Some(size)), closed: self.closed, ..CameraPath::new(self.keys.clone()) }
+        CameraPath { size: self.path.size.or(Some(size)), ..self.path.clone() }
     }
 
     /// Takes the keys of a file.
@@ -141,10 +137,8 @@ impl Route {
     /// # Errors
     /// The keys make no valid path in a scene with these defaults.
     pub fn load(&mut self, path: CameraPath, defaults: &Defaults) -> Result<(), Problem> {
-        let curve = Curve::new(&path, defaults)?;
-        let CameraPath { size, closed, keys, .. } = path;
-        let (pace, rate) = (self.pace, self.rate);
-        *self = Self { keys, closed, size, curve: Some(curve), selected: Some(0), pace, rate, ..Self::default() };
+        let (curve, pace, rate) = (Some(Curve::new(&path, defaults)?), self.pace, self.rate);
+        *self = Self { path, curve, selected: Some(0), pace, rate, ..Self::default() };
         Ok(())
     }
 
@@ -153,18 +147,18 @@ impl Route {
     /// # Errors
     /// A key that makes no path with the others.
     pub fn add(&mut self, key: Key, defaults: &Defaults) -> Result<(), Problem> {
-        let at = self.selected.map_or(self.keys.len(), |selected| selected + 1);
+        let at = self.selected.map_or(self.keys().len(), |selected| selected + 1);
         let time = self.is_timed().then(|| self.time_at(at));
-        let mut keys = self.keys.clone();
-        keys.insert(at, Key { time, ..key });
-        self.change(keys, self.closed, Some(at), defaults)
+        let mut path = self.path.clone();
+        path.keys.insert(at, Key { time, ..key });
+        self.change(path, Some(at), defaults)
     }
 
     /// A time for a key before number `at`: in the middle, or as far behind the last as those are apart on average.
     fn time_at(&self, at: usize) -> f64 {
-        let time = |at: usize| self.keys.get(at).and_then(|key| key.time);
+        let time = |at: usize| self.keys().get(at).and_then(|key| key.time);
         let before = at.checked_sub(1).and_then(time).unwrap_or(0.0);
-        match (time(at), self.keys.len()) {
+        match (time(at), self.keys().len()) {
             (Some(after), _) => 0.5 * (before + after),
             (None, 0 | 1) => before + self.pace,
             (None, count) => before + (before - time(0).unwrap_or(before)) / (count - 1) as f64,
@@ -177,11 +171,11 @@ impl Route {
     /// A key that makes no path with the others.
     pub fn replace(&mut self, key: Key, defaults: &Defaults) -> Result<(), Problem> {
         let Some(at) = self.selected else { return Ok(()) };
-        let mut keys = self.keys.clone();
-        if let Some(old) = keys.get_mut(at) {
+        let mut path = self.path.clone();
+        if let Some(old) = path.keys.get_mut(at) {
             *old = Key { time: old.time, ..key };
         }
-        self.change(keys, self.closed, Some(at), defaults)
+        self.change(path, Some(at), defaults)
     }
 
     /// Takes the selected key out; the next one is selected then, or the last.
@@ -189,11 +183,11 @@ impl Route {
     /// # Errors
     /// None that a path without the key had not before.
     pub fn delete(&mut self, defaults: &Defaults) -> Result<(), Problem> {
-        let Some(at) = self.selected.filter(|at| *at < self.keys.len()) else { return Ok(()) };
-        let mut keys = self.keys.clone();
-        keys.remove(at);
-        let selected = keys.len().checked_sub(1).map(|last| at.min(last));
-        self.change(keys, self.closed, selected, defaults)
+        let Some(at) = self.selected.filter(|at| *at < self.keys().len()) else { return Ok(()) };
+        let mut path = self.path.clone();
+        path.keys.remove(at);
+        let selected = path.keys.len().checked_sub(1).map(|last| at.min(last));
+        self.change(path, selected, defaults)
     }
 
     /// Changes the places of the selected key and the one before it, or behind it; times stay where they are.
@@ -203,13 +197,13 @@ impl Route {
     pub fn shift(&mut self, back: bool, defaults: &Defaults) -> Result<(), Problem> {
         let Some(at) = self.selected else { return Ok(()) };
         let other = if back { at.checked_sub(1) } else { Some(at + 1) };
-        let Some(other) = other.filter(|other| *other < self.keys.len()) else { return Ok(()) };
-        let mut keys = self.keys.clone();
-        keys.swap(at, other);
-        for (key, old) in keys.iter_mut().zip(&self.keys) {
+        let Some(other) = other.filter(|other| *other < self.keys().len()) else { return Ok(()) };
+        let mut path = self.path.clone();
+        path.keys.swap(at, other);
+        for (key, old) in path.keys.iter_mut().zip(&self.path.keys) {
             key.time = old.time;
         }
-        self.change(keys, self.closed, Some(other), defaults)
+        self.change(path, Some(other), defaults)
     }
 
     /// Lets the path go back to its first key, or not.
@@ -217,7 +211,7 @@ impl Route {
     /// # Errors
     /// None: a path can be either.
     pub fn set_closed(&mut self, closed: bool, defaults: &Defaults) -> Result<(), Problem> {
-        self.change(self.keys.clone(), closed, self.selected, defaults)
+        self.change(CameraPath { closed, ..self.path.clone() }, self.selected, defaults)
     }
 
     /// Gives each key a time, as far apart as they are now, or takes times away.
@@ -225,11 +219,11 @@ impl Route {
     /// # Errors
     /// None: times that ascend make a path.
     pub fn set_timed(&mut self, timed: bool, defaults: &Defaults) -> Result<(), Problem> {
-        let mut keys = self.keys.clone();
-        for (at, key) in keys.iter_mut().enumerate() {
+        let mut path = self.path.clone();
+        for (at, key) in path.keys.iter_mut().enumerate() {
             key.time = timed.then(|| key.time.unwrap_or(at as f64 * self.pace));
         }
-        self.change(keys, self.closed, self.selected, defaults)
+        self.change(path, self.selected, defaults)
     }
 
     /// Sets the time of a key in seconds.
@@ -237,11 +231,11 @@ impl Route {
     /// # Errors
     /// A time that is not between those of its neighbors.
     pub fn set_time(&mut self, at: usize, time: f64, defaults: &Defaults) -> Result<(), Problem> {
-        let mut keys = self.keys.clone();
-        if let Some(key) = keys.get_mut(at) {
+        let mut path = self.path.clone();
+        if let Some(key) = path.keys.get_mut(at) {
             key.time = Some(time);
         }
-        self.change(keys, self.closed, self.selected, defaults)
+        self.change(path, self.selected, defaults)
     }
 
     /// Replaces all keys by those of a closed path, and selects the first.
@@ -249,7 +243,7 @@ impl Route {
     /// # Errors
     /// The keys make no valid path.
     pub fn fill(&mut self, keys: Vec<Key>, defaults: &Defaults) -> Result<(), Problem> {
-        self.change(keys, true, Some(0), defaults)
+        self.change(CameraPath { keys, closed: true, ..self.path.clone() }, Some(0), defaults)
     }
 
     /// Takes all keys out.
@@ -259,16 +253,9 @@ impl Route {
     }
 
     /// Takes these keys if they make a path.
-    fn change(
-        &mut self,
-        keys: Vec<Key>,
-        closed: bool,
-        selected: Option<usize>,
-        defaults: &Defaults,
-    ) -> Result<(), Problem> {
-        let path = CameraPath { closed, ..CameraPath::new(keys) };
+    fn change(&mut self, path: CameraPath, selected: Option<usize>, defaults: &Defaults) -> Result<(), Problem> {
         self.curve = if path.keys.is_empty() { None } else { Some(Curve::new(&path, defaults)?) };
-        (self.keys, self.closed, self.selected) = (path.keys, closed, selected);
+        (self.path, self.selected) = (path, selected);
         self.playing = false;
         self.position = self.position.min(self.duration());
         Ok(())
@@ -285,7 +272,7 @@ impl Route {
     /// # Errors
     /// The keys make no valid path in a scene with these defaults.
     pub fn select(&mut self, at: usize, defaults: &Defaults) -> Result<Option<Pose>, Problem> {
-        let Some(key) = self.keys.get(at) else { return Ok(None) };
+        let Some(key) = self.keys().get(at) else { return Ok(None) };
         let time = key.time.unwrap_or(at as f64);
         self.selected = Some(at);
         self.playing = false;
@@ -307,9 +294,8 @@ impl Route {
     }
 
     fn motion(&mut self, defaults: &Defaults) -> Result<Option<&Curve>, Problem> {
-        if self.curve.is_none() && !self.keys.is_empty() {
-            let path = CameraPath { closed: self.closed, ..CameraPath::new(self.keys.clone()) };
-            self.curve = Some(Curve::new(&path, defaults)?);
+        if self.curve.is_none() && !self.keys().is_empty() {
+            self.curve = Some(Curve::new(&self.path, defaults)?);
         }
         Ok(self.curve.as_ref())
     }

@@ -59,7 +59,9 @@ fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
 /// Does the same as `pellucid render SCENE -o PICTURE`.
 fn render(stage: &mut SceneRenderer, scene_path: &Path, picture: &Path) -> Result<()> {
     let mut scene = Document::read(scene_path, &Overrides::default())?.scene()?;
-    stage.settle(&mut scene);
+    if let Clouds::Held(clouds) = stage.clouds() {
+        scene.settle(clouds);
+    }
     let TakenPicture { rendered, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
     let options = stage.write_options(scene_path.display().to_string(), brightness.as_ref())?;
     output::write_image(picture, &rendered.image, &options)?;

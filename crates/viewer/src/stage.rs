@@ -21,9 +21,7 @@ use pellucid_io::output::WriteOptions;
 use pellucid_scene::legend::Legend;
 use pellucid_scene::supply::Cut;
 use pellucid_scene::{self as scene, CameraSettings, Detail, Input, Method, MethodChoice, Scene};
-use pellucid_session::{
-    Assembled, Clouds, FrameRequest, Limits, Prepared, Request, Residence, Session, Silent, Sources, Uploaded,
-};
+use pellucid_session::{Assembled, Clouds, FrameRequest, Prepared, Request, Session, Silent, Sources, Uploaded};
 
 /// Points that are this near to others add nothing that is seen, in pixels.
 const FINE_PX: f32 = 1.0;
@@ -97,8 +95,9 @@ pub struct SceneRenderer {
     setup: Setup,
     /// Says what is done to points before they can be rendered, and nothing once they can.
     pub progress: Progress,
-    /// The name of the last method, its number of samples, ensembles or layers, and the cost of its frames.
-    costs: Option<(&'static str, Option<u32>, Costs)>,
+    /// The name of the last method, its number of samples, ensembles or layers, and the cost of its frames: drafts are
+    /// chosen by them.
+    pub costs: Option<(&'static str, Option<u32>, Costs)>,
     histograms: Histograms,
     /// The last choice for `auto`: the requested method, the chosen one, and the reason.
     chosen: Option<(MethodChoice, Method, String)>,
@@ -130,21 +129,19 @@ impl SceneRenderer {
         self.placed.as_ref().map(|placed| &placed.session.renderer).or_else(waiting).expect("either is there")
     }
 
-    fn sources(&self) -> &Sources {
-        let waiting = || self.waiting.as_ref().map(|(_, sources)| sources);
-        self.placed.as_ref().map(|placed| &placed.session.prepared.sources).or_else(waiting).expect("either is there")
-    }
-
     /// The clouds as they were read.
     pub fn clouds(&self) -> &Clouds {
-        self.sources().clouds()
+        let waiting = || self.waiting.as_ref().map(|(_, sources)| sources);
+        let placed = self.placed.as_ref().map(|placed| &placed.session.prepared.sources);
+        placed.or_else(waiting).expect("either is there").clouds()
     }
 
-    /// Settles what the clouds decide about a scene.
-    pub fn settle(&self, scene: &mut Scene) {
-        if let Clouds::Held(clouds) = self.clouds() {
-            scene.settle(clouds);
-        }
+    /// The session with the points on the device.
+    ///
+    /// # Errors
+    /// No points are there: nothing was rendered yet, or it failed.
+    pub fn session(&mut self) -> Result<&mut Session> {
+        Ok(&mut self.placed.as_mut().ok_or_else(no_points)?.session)
     }
 
     /// Returns the clouds and columns derived from them, when everything else goes.
@@ -179,7 +176,7 @@ impl SceneRenderer {
         let known = self.chosen.clone().filter(|(requested, method, _)| {
             *requested == scene.method && self.draft(method, effort, scene.image.size) != Draft::whole(method)
         });
-        let Some(UploadedScene { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        let session = self.session()?;
         match known {
             Some((_, method, why)) => session.keep_method(method, why),
             None => session.decide(&Silent)?,
@@ -219,8 +216,11 @@ impl SceneRenderer {
     }
 
     /// Returns how the last picture is written to a file, with the metadata of a scene of this name.
+    ///
+    /// # Errors
+    /// There is no picture.
     pub fn write_options(&mut self, name: String, applied: Option<&Applied>) -> Result<WriteOptions> {
-        let session = &mut self.placed.as_mut().ok_or_else(no_points)?.session;
+        let session = self.session()?;
         session.prepared.request.name = name;
         Ok(session.write_options(applied, Vec::new()))
     }
@@ -232,7 +232,7 @@ impl SceneRenderer {
     pub fn exact(&mut self, scene: &Scene, pose: Pose, frame: &Frame, method: Method) -> Result<Rendered> {
         // A picture that came to nothing may have left other points.
         self.place(scene, pose)?;
-        let Some(UploadedScene { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        let session = self.session()?;
         session.frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*frame };
         session.render()
     }
@@ -274,17 +274,20 @@ impl SceneRenderer {
 
     /// The request for pictures of a scene. The window has drafts of its own, and draws all points at rest.
     fn request(&self, scene: &Scene) -> Request {
-        let Setup { seed, memory_budget, host_memory } = self.setup;
-        let limits = Limits { memory: host_memory, residence: Residence::Memory };
-        let mut request = Request::of_scene(String::new(), scene.clone(), Input::Files, limits, seed);
+        let Setup { seed, memory_budget, .. } = self.setup;
+        let mut request = Request::of_scene(String::new(), scene.clone(), Input::Files, self.setup.limits(), seed);
         request.wanted.is_edited = true;
         let (stop, detail) = (Stop::EightBit { transparent: false }, Some(Detail::default()));
         request.frame = FrameRequest { memory_budget, stop, spread: true, detail, ..FrameRequest::default() };
         request
     }
 
-    /// Brings the scene's points to the device, the missing and the changed ones, and finds the camera.
-    fn place(&mut self, scene: &Scene, pose: Pose) -> Result<Changes> {
+    /// Brings the scene's points to the device, the missing and the changed ones, and finds the camera. Returns the
+    /// changes.
+    ///
+    /// # Errors
+    /// The points can't be made or uploaded; those of another scene may.
+    pub fn place(&mut self, scene: &Scene, pose: Pose) -> Result<Changes> {
         let placed = self.place_quietly(self.request(scene), pose);
         self.progress.set_message("");
         placed
@@ -454,6 +457,3 @@ fn camera(scene: &Scene, pose: Pose, subject: &CameraSubject, points: &Points) -
     let (camera, _warnings) = scene::camera(&framed, points, *up)?;
     Ok(camera)
 }
-
-#[cfg(test)]
-mod tests;

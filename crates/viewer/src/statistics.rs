@@ -10,7 +10,8 @@ use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
 use pellucid_scene::stored::OpenStore;
-use pellucid_scene::{CloudSettings, ColorBy, Document, Overrides, Scene, Strays, colorings};
+use pellucid_scene::{CloudSettings, ColorBy, Scene, Strays, automatic};
+use pellucid_session::Clouds;
 
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
@@ -40,8 +41,16 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// The statistics of each cloud.
+    pub fn of_clouds(clouds: &Clouds) -> Vec<Self> {
+        match clouds {
+            Clouds::Held(clouds) => clouds.iter().map(|cloud| Self::from_cloud(cloud)).collect(),
+            Clouds::Stored(stores) => stores.iter().map(Self::from_store).collect(),
+        }
+    }
+
     /// Gathers the statistics of all points of a cloud.
-    pub fn from_cloud(cloud: &Cloud) -> Self {
+    fn from_cloud(cloud: &Cloud) -> Self {
         let names = field::names(cloud).into_iter().filter(|name| !name.is_empty() && name != "classification");
         let mut scalars: Vec<(String, [f64; 2])> = Vec::new();
         for name in names {
@@ -67,7 +76,7 @@ impl Statistics {
     }
 
     /// Statistics of a cloud that stays in its store: those of points that stand for all, once they are known.
-    pub fn from_store(store: &OpenStore) -> Self {
+    fn from_store(store: &OpenStore) -> Self {
         let summary = store.summary();
         let known = store.surveyed();
         let sample = known.as_ref().map_or(&summary.like, |survey| &survey.sample);
@@ -88,20 +97,6 @@ impl Statistics {
         let classes = (!self.classes.is_empty()).then_some("classification");
         let scalars = self.scalars.iter().map(|(name, _)| name.as_str());
         ["uncertainty", "distance-to-axis"].into_iter().chain(classes).chain(scalars).collect()
-    }
-}
-
-/// Returns the quantity that `auto` shows of a cloud, as the engine decides it.
-fn automatic(cloud: &Cloud) -> ColorBy {
-    let scene = Document::from_clouds(["cloud.ply"], &Overrides::default()).and_then(|document| document.scene());
-    let Ok(scene) = scene else { return ColorBy::Auto };
-    let sentences = colorings(&scene, std::slice::from_ref(cloud));
-    // The first word is the choice.
-    match sentences.first().and_then(|sentence| sentence.split([':', ' ']).next()) {
-        Some("rgb") => ColorBy::Rgb,
-        Some("classification") => ColorBy::Classification,
-        Some("height") => ColorBy::Height,
-        _ => ColorBy::Auto,
     }
 }
 
@@ -191,6 +186,7 @@ fn histogram(fields: &[f32]) -> Arc<[u64]> {
 mod tests {
     use super::*;
     use glam::Vec3;
+    use pellucid_scene::{Document, Overrides};
 
     fn cloud() -> Cloud {
         let n = 100_000;

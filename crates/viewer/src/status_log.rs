@@ -1,5 +1,7 @@
 //! Status lines for verbose output.
 
+use std::collections::BTreeMap;
+
 use super::model::Model;
 use pellucid_gpu::Device;
 
@@ -9,7 +11,7 @@ pub struct StatusLog {
     at_rest: Option<u64>,
     hidden: bool,
     message: Option<String>,
-    controls: Vec<(String, [i32; 4])>,
+    controls: BTreeMap<String, [i32; 4]>,
 }
 
 impl StatusLog {
@@ -42,12 +44,11 @@ impl StatusLog {
             message.iter().for_each(|message| say(message));
             self.message = message;
         }
-        let controls: Vec<_> = model.controls.iter().map(|(key, place)| (key.clone(), *place)).collect();
-        if controls != self.controls {
-            for (key, [left, top, width, height]) in &controls {
+        if self.controls != model.controls {
+            for (key, [left, top, width, height]) in &model.controls {
                 say(&format!("control {key} at {left},{top} {width}x{height}"));
             }
-            self.controls = controls;
+            self.controls.clone_from(&model.controls);
         }
     }
 }

@@ -15,8 +15,8 @@ use super::loss;
 use super::messages::{News, Request, Saving, Setup, Task, WindowPicture};
 use super::navigate::Pose;
 use super::save;
-use super::sources::{Opened, statistics};
 use super::stage::{SceneRenderer, TakenPicture};
+use super::statistics::Statistics;
 use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path;
 use pellucid_engine::methods::{self, Frame};
@@ -300,7 +300,7 @@ impl WorkerState {
     }
 
     fn statistics(&self) -> News {
-        News::Clouds(statistics(self.stage.clouds()).into())
+        News::Clouds(Statistics::of_clouds(self.stage.clouds()).into())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
@@ -386,17 +386,16 @@ impl WorkerState {
         let progress = self.stage.progress.clone();
         let named = scene::name(files, &Overrides::default(), self.setup.seed)?;
         let scene = named.document.scene()?;
-        let opened = Opened::open(named, &scene, self.setup.host_memory, &Silent, &progress);
+        let sources = Sources::open(&named.input, &scene, self.setup.limits(), &Silent, &progress);
         progress.set_message("");
-        let opened = opened?;
         let device = self.stage.renderer().device().clone();
-        self.stage = SceneRenderer::new(&device, opened.sources, &self.setup)?;
+        self.stage = SceneRenderer::new(&device, sources?, &self.setup)?;
         self.stage.progress = progress;
         // A file of the same name may have other contents now.
         (self.history, self.unread, self.whole) = (History::default(), None, None);
         (self.legends, self.surveyed) = (Legends::default(), false);
-        self.generated = opened.generated;
-        Ok(News::Opened(opened.name, Box::new(opened.document)))
+        self.generated = named.is_generated();
+        Ok(News::Opened(named.name, Box::new(named.document)))
     }
 
     fn save(&mut self, saving: &Saving) -> Result<News> {

@@ -29,6 +29,8 @@ pub enum Shown {
 
 /// The content of a window. Holds the device; one frame is in flight at a time.
 pub struct Screen {
+    /// Dropped first: the context must outlive it.
+    painter: Painter,
     context: Arc<Context>,
     loader: khr::swapchain::Device,
     format: vk::SurfaceFormatKHR,
@@ -36,7 +38,6 @@ pub struct Screen {
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
-    painter: Option<Painter>,
     /// `true` if the swapchain no longer fits the window.
     stale: bool,
 }
@@ -52,34 +53,30 @@ impl Screen {
         let format = swapchain::format(&context)?;
         let loader = khr::swapchain::Device::new(&context.instance.raw, &context.device);
         let mut screen = Self {
+            painter: Painter::new(&context, format.format, textures)?,
             loader,
             format,
             swapchain: None,
             pool: vk::CommandPool::null(),
             commands: vk::CommandBuffer::null(),
             fence: vk::Fence::null(),
-            painter: Some(Painter::new(&context, format.format, textures)?),
             stale: true,
             context,
         };
-        screen.make_handles()?;
-        Ok(screen)
-    }
-
-    fn make_handles(&mut self) -> Result<(), Error> {
-        let device = &self.context.device;
+        let device = &screen.context.device;
         let pool = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(self.context.queue_family)
+            .queue_family_index(screen.context.queue_family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: a live device; drop destroys what was made so far.
         unsafe {
-            self.pool = device.create_command_pool(&pool, None).map_err(Error::call("vkCreateCommandPool"))?;
-            let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
-            self.commands = device.allocate_command_buffers(&info).map_err(Error::call("vkAllocateCommandBuffers"))?[0];
+            screen.pool = device.create_command_pool(&pool, None).map_err(Error::call("vkCreateCommandPool"))?;
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(screen.pool).command_buffer_count(1);
+            let commands = device.allocate_command_buffers(&info);
+            screen.commands = commands.map_err(Error::call("vkAllocateCommandBuffers"))?[0];
             let fence = device.create_fence(&vk::FenceCreateInfo::default(), None);
-            self.fence = fence.map_err(Error::call("vkCreateFence"))?;
+            screen.fence = fence.map_err(Error::call("vkCreateFence"))?;
         }
-        Ok(())
+        Ok(screen)
     }
 
     /// Returns `true` if pixels are B, G, R, A in memory, and not R, G, B, A.
@@ -94,7 +91,7 @@ impl Screen {
 
     /// Returns the textures so far, for the next screen.
     pub fn take_textures(&mut self) -> Textures {
-        self.painter.as_mut().map(|painter| std::mem::take(&mut painter.textures)).unwrap_or_default()
+        std::mem::take(&mut self.painter.textures)
     }
 
     /// Shows a picture with a drawing over it in a window of this size (physical pixels); returns when the device is
@@ -110,8 +107,7 @@ impl Screen {
         drawing: &Drawing,
         about_to_present: &dyn Fn(),
     ) -> Result<Shown, Error> {
-        let Some(painter) = &mut self.painter else { return Ok(Shown::NotNow) };
-        painter.take_in(&drawing.textures.set);
+        self.painter.take_in(&drawing.textures.set);
         let shown = self
             .bring_textures()
             .and_then(|()| self.draw(size, picture, drawing))
@@ -119,18 +115,16 @@ impl Screen {
         if shown.is_err() {
             self.give_up();
         }
-        if let Some(painter) = &mut self.painter {
-            painter.free_textures(&drawing.textures.free)?;
-        }
+        self.painter.free_textures(&drawing.textures.free)?;
         shown
     }
 
     fn bring_textures(&mut self) -> Result<(), Error> {
-        let Some(painter) = self.painter.as_mut().filter(|painter| painter.is_stale()) else { return Ok(()) };
-        let guard = lock(&self.context.submission);
-        let brought = painter.bring_textures(&self.context, self.pool);
-        drop(guard);
-        brought
+        if !self.painter.is_stale() {
+            return Ok(());
+        }
+        let _guard = lock(&self.context.submission);
+        self.painter.bring_textures(&self.context, self.pool)
     }
 
     /// Draws to an image of the window, if it has one to give.
@@ -157,13 +151,12 @@ impl Screen {
     }
 
     fn destroy(&self, old: &Swapchain) {
-        let guard = lock(&self.context.submission);
+        let _guard = lock(&self.context.submission);
         // SAFETY: the wait ends all that uses the images, presenting included; a lost device uses nothing.
         unsafe {
             let _ = self.context.device.queue_wait_idle(self.context.queue);
             old.destroy(&self.context, &self.loader);
         }
-        drop(guard);
     }
 
     /// Creates a swapchain that fits the window, or none while it has no area.
@@ -214,7 +207,7 @@ impl Screen {
     }
 
     fn record(&mut self, index: u32, picture: Option<&Picture<'_>>, drawing: &Drawing) -> Result<(), Error> {
-        let (Some(swapchain), Some(painter)) = (&self.swapchain, &mut self.painter) else { return Ok(()) };
+        let Some(swapchain) = &self.swapchain else { return Ok(()) };
         let (device, commands) = (&self.context.device, self.commands);
         let image = swapchain.images[index as usize];
         let barrier = |layouts| image_barriers(&self.context, commands, std::iter::once((image, RANGE)), layouts);
@@ -245,7 +238,7 @@ impl Screen {
             let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: swapchain.extent };
             let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
             device.cmd_begin_rendering(commands, &rendering);
-            painter.record(commands, swapchain.extent, drawing)?;
+            self.painter.record(commands, swapchain.extent, drawing)?;
             device.cmd_end_rendering(commands);
             barrier([DRAWN, vk::ImageLayout::PRESENT_SRC_KHR]);
             device.end_command_buffer(commands).map_err(Error::call("vkEndCommandBuffer"))
@@ -308,20 +301,18 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        let guard = lock(&self.context.submission);
+        let _guard = lock(&self.context.submission);
         let device = &self.context.device;
         // SAFETY: the wait ends all that uses the handles, presenting included; a lost device uses nothing. Null
         // handles are ignored.
         unsafe {
             let _ = device.queue_wait_idle(self.context.queue);
-            self.painter = None;
             if let Some(swapchain) = self.swapchain.take() {
                 swapchain.destroy(&self.context, &self.loader);
             }
             device.destroy_fence(self.fence, None);
             device.destroy_command_pool(self.pool, None);
         }
-        drop(guard);
     }
 }
 

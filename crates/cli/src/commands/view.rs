@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use pellucid_core::camera::import::CameraSource;
 use pellucid_gpu::DeviceOptions;
-use pellucid_viewer::{Display, Opened, Options};
+use pellucid_session::Sources;
+use pellucid_viewer::{Display, Options, Setup};
 
 use super::Error;
 use super::console::Console;
@@ -45,10 +46,10 @@ pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
     let cameras = path.as_deref().map(CameraSource::read).transpose().map_err(pellucid_engine::Error::from)?;
     let progress = console.progress();
     let (named, request) = input.named(None, &progress)?;
-    let host_memory = request.limits.memory;
-    let opened = Opened::open(named, &request.scene, host_memory, &progress, &progress)?;
+    let setup = Setup { seed: input.seed, memory_budget: device.budget(), host_memory: request.limits.memory };
+    let sources = Sources::open(&named.input, &request.scene, setup.limits(), &progress, &progress)?;
     progress.finish_and_clear();
-    let is_classified = opened.sources.are_classified();
+    let is_classified = sources.are_classified();
     if let Some(share) = request.see_through.and_then(|share| share.share(request.scene.method, is_classified)) {
         console.note(format_args!(
             "--see-through {share} has no effect in a window: set the opacity with its slider, or use the one that \
@@ -56,12 +57,11 @@ pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
         ));
     }
     let options = Options {
-        opened,
+        named,
+        sources,
         view: request.scene.camera.view,
-        seed: input.seed,
-        memory_budget: device.budget(),
+        setup,
         device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
-        host_memory,
         size: if input.size.is_some() { request.scene.image.size } else { SIZE },
         budget_ms: budget,
         path: path.zip(cameras),

@@ -37,7 +37,7 @@ settings! {
 
 impl CameraSettings {
     /// Returns the vertical: the axis nearest to `up` of the camera, else that of the clouds.
-    pub(crate) fn vertical(&self, up: UpAxis) -> Vertical {
+    pub fn vertical(&self, up: UpAxis) -> Vertical {
         self.up.and_then(Vertical::nearest).unwrap_or(up.into())
     }
 }

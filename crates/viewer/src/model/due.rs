@@ -21,7 +21,7 @@ const FIRST_AT_REST_MS: f64 = 250.0;
 pub(super) const MOST_REFINED: u32 = 6;
 
 /// Time for which nothing may move before the picture is compared with the exact one.
-pub(super) const STILL: Duration = Duration::from_millis(500);
+pub const STILL: Duration = Duration::from_millis(500);
 
 impl Model {
     /// The worker's next task, if any is due.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{Model, Pose, Setting, Task};
 use crate::messages::Saving;
 use pellucid_core::camera::import;
+use pellucid_core::camera::path::CameraPath;
 use pellucid_engine::Result;
 use pellucid_scene::Document;
 
@@ -32,8 +33,7 @@ impl Model {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
         let (cameras, files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| import::is_cameras(file));
         if cameras.len() > 1 {
-            self.show_error("only one camera path can be open: give one file of cameras");
-            return;
+            return self.show_error("only one camera path can be open: give one file of cameras");
         }
         self.show_note(format!("reading {}", names.join(", ")));
         if !files.is_empty() {
@@ -62,17 +62,8 @@ impl Model {
         self.busy = !self.pending.is_empty();
     }
 
-    /// True while another scene is being opened, whose clouds differ from the current ones; leaves a message if so.
-    pub(super) fn is_leaving(&mut self) -> bool {
-        let leaving = self.pending.contains(&true);
-        if leaving {
-            self.show_error("not saved: another scene is being read");
-        }
-        leaving
-    }
-
     /// The stem of the names of saved files.
-    pub(super) fn stem(&self) -> String {
+    fn stem(&self) -> String {
         // Either one file, whose name may contain spaces, or the first of several.
         let whole = PathBuf::from(&self.name);
         let first = if whole.exists() { whole } else { PathBuf::from(self.name.split(' ').next().unwrap_or_default()) };
@@ -87,43 +78,56 @@ impl Model {
     /// Saves like [`Model::save`], to a file of this name.
     pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
         if self.navigator.is_none() || self.viewport.size.contains(&0) {
-            self.show_note("no picture yet to save");
-            return;
+            return self.show_note("no picture yet to save");
         }
-        if self.is_leaving() {
-            return;
+        self.ask_to_save(self.document_as_shown(), picture, None, to);
+    }
+
+    /// Asks for a scene to be written, unless another one is being opened: its clouds are not the current ones.
+    pub(super) fn ask_to_save(
+        &mut self,
+        document: Result<Document>,
+        picture: bool,
+        path: Option<CameraPath>,
+        to: Option<PathBuf>,
+    ) {
+        if self.pending.contains(&true) {
+            return self.show_error("not saved: another scene is being read");
         }
-        match self.document_as_shown() {
+        match document {
             Ok(document) => {
-                let saving = Saving { document, stem: self.stem(), picture, path: None, to };
+                let saving = Saving { document, stem: self.stem(), picture, path, to };
                 self.ask_for(Task::Save(Box::new(saving)));
             }
             Err(error) => self.show_error(error.to_string()),
         }
     }
 
-    /// The scene with the camera and the size of the picture.
-    pub(super) fn document_as_shown(&self) -> Result<Document> {
+    /// The scene with the size of the picture.
+    pub(super) fn document_of_size(&self) -> Result<Document> {
         let mut document = self.document.clone();
         document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
+        Ok(document)
+    }
+
+    /// The scene with the camera and the size of the picture.
+    ///
+    /// # Errors
+    /// A camera that is no setting of a scene.
+    pub fn document_as_shown(&self) -> Result<Document> {
+        let mut document = self.document_of_size()?;
         let shown = match (self.pose, &self.navigator) {
             (Pose::Scene, _) | (Pose::View(_), None) => None,
             (Pose::View(_), Some(navigator)) => Some(navigator.settings(self.scene.camera.near, self.scene.camera.far)),
             (Pose::At(camera), _) => Some(camera),
         };
         if let Some(camera) = shown {
-            document.remove("camera", "fov_y");
-            document.remove("camera", "height");
-            document.remove("camera", "ortho");
-            let given = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)];
-            for (key, vector) in given.into_iter().filter_map(|(key, vector)| Some((key, vector?))) {
-                document.put(&format!("camera.{key}"), Setting::Numbers(vector.to_array().to_vec()))?;
-            }
-            // A key may have depths of its own.
-            let numbers =
-                [("fov_y", camera.fov_y), ("height", camera.height), ("near", camera.near), ("far", camera.far)];
-            for (key, number) in numbers.into_iter().filter_map(|(key, number)| Some((key, number?))) {
-                document.put(&format!("camera.{key}"), Setting::Number(number))?;
+            ["fov_y", "height", "ortho"].iter().for_each(|key| document.remove("camera", key));
+            // A key of a path may have depths of its own.
+            for key in camera.keys().into_iter().filter(|key| key.name != "ortho") {
+                if let Some(value) = key.value {
+                    document.put(&format!("camera.{}", key.name), value)?;
+                }
             }
         }
         Ok(document)
@@ -144,8 +148,7 @@ impl Model {
         named.push(".toml");
         let named = PathBuf::from(named);
         if named.exists() {
-            let problem = format!("{} exists; enter its full name to replace it", named.display());
-            self.show_error(problem);
+            self.show_error(format!("{} exists; enter its full name to replace it", named.display()));
         } else {
             self.save_to(false, Some(named));
         }

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Model, Pose, Setting, Task};
-use crate::messages::Saving;
+use super::{Model, Pose};
 use crate::navigate::{CameraSubject, Navigator, settings_of};
 use crate::route::Route;
 use pellucid_core::camera::import::CameraSource;
@@ -53,12 +52,9 @@ impl Model {
 
     /// Makes the present camera a key behind the one that is selected, or at the end.
     pub fn add_key(&mut self) {
-        if let Some(key) = self.key() {
-            if self.change_route(|route, defaults| route.add(key, defaults)) {
-                self.go_to_key(self.route.selected().unwrap_or(0));
-            }
-        } else {
-            self.show_note("no picture yet to take a key from");
+        let Some(key) = self.key() else { return self.show_note("no picture yet to take a key from") };
+        if self.change_route(|route, defaults| route.add(key, defaults)) {
+            self.go_to_key(self.route.selected().unwrap_or(0));
         }
     }
 
@@ -224,26 +220,14 @@ impl Model {
     /// Writes the path, and the scene that it leads through, into the current folder.
     pub fn save_path(&mut self) {
         if self.route.keys().is_empty() {
-            self.show_note("no keys yet: press K to add the current camera");
-            return;
+            return self.show_note("no keys yet: press K to add the current camera");
         }
         if self.viewport.size.contains(&0) {
-            self.show_error("the window has no room for a picture, and a path needs its size");
-            return;
+            return self.show_error("the window has no room for a picture, and a path needs its size");
         }
-        if self.is_leaving() {
-            return;
-        }
-        // Keep the scene's own camera: it supplies what keys leave open.
-        let mut document = self.document.clone();
-        match document.put("image.size", Setting::Integers(self.viewport.size.to_vec())) {
-            Ok(()) => {
-                let path = Some(self.route.path(self.viewport.size));
-                let saving = Saving { document, stem: self.stem(), picture: false, path, to: None };
-                self.ask_for(Task::Save(Box::new(saving)));
-            }
-            Err(error) => self.show_error(error.to_string()),
-        }
+        // With the scene's own camera: it supplies what keys leave open.
+        let path = Some(self.route.path(self.viewport.size));
+        self.ask_to_save(self.document_of_size(), false, path, None);
     }
 }
 

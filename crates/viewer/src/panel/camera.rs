@@ -10,9 +10,9 @@ use pellucid_scene::View;
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
-        for (name, text) in VIEWS {
-            if ui.button(text).clicked() {
-                model.look_from(View { name: Some(name), ..View::default() });
+        for (name, text, _) in VIEWS {
+            if ui.button(*text).clicked() {
+                model.look_from(View { name: Some(*name), ..View::default() });
             }
         }
         if ui.button("all").on_hover_text("everything, from the front's right and above (Home)").clicked() {

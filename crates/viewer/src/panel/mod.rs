@@ -28,16 +28,8 @@ pub const WIDTH: f32 = 330.0;
 /// Width of its sliders in points.
 const SLIDER: f32 = 120.0;
 
-/// The named views, in the order of the keys 1 to 7.
-pub const VIEWS: [(ViewName, &str); 7] = [
-    (ViewName::Front, "front"),
-    (ViewName::Back, "back"),
-    (ViewName::Left, "left"),
-    (ViewName::Right, "right"),
-    (ViewName::Top, "top"),
-    (ViewName::Bottom, "bottom"),
-    (ViewName::Iso, "iso"),
-];
+/// The views along the axes and the isometric one, with their words, in the order of the keys 1 to 7.
+pub const VIEWS: &[(ViewName, &str, &str)] = ViewName::ALL.split_at(7).0;
 
 /// Draws the panel; changes go to the model at once.
 pub fn show(ui: &mut Ui, model: &mut Model) {

@@ -7,7 +7,7 @@ use super::row::{choice_row, name, note, row, vector};
 use crate::controls;
 use crate::model::Model;
 use pellucid_core::cloud::UpAxis;
-use pellucid_scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View, rounded};
+use pellucid_scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View};
 
 /// Azimuth and elevation of a light that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
@@ -84,11 +84,7 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
 /// Returns the reference of elevations: the axis nearest to the up direction of the scene's camera, else the clouds'
 /// vertical.
 pub fn vertical(model: &Model) -> Vertical {
-    nearest_or(model.scene().camera.up, model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
-}
-
-fn nearest_or(up: Option<DVec3>, of_clouds: UpAxis) -> Vertical {
-    up.and_then(Vertical::nearest).unwrap_or(of_clouds.into())
+    model.scene().camera.vertical(model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
 }
 
 /// A direction by its angles, and by its numbers.
@@ -178,28 +174,20 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
 
 /// The changes that cast shadows, as they were under a light. Its radius is no use under a light of another kind.
 fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
-    let default = Shadows::default();
-    let (shadows, before) = kept.unwrap_or((default, light));
-    let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
-    let number = |x: f32| Setting::Number(rounded(x));
-    let given = [
-        ("method", Some(Setting::Word("texture".to_owned()))),
-        ("samples", (shadows.samples != default.samples).then_some(Setting::Integer(shadows.samples))),
-        ("light_radius", (same && shadows.light_radius > 0.0).then(|| number(shadows.light_radius))),
-        ("resolution", (shadows.resolution != default.resolution).then_some(Setting::Integer(shadows.resolution))),
-        ("min_layer_distance", shadows.min_layer_distance.map(number)),
-    ];
-    given
-        .into_iter()
-        .filter(|(_, value)| value.is_some())
-        .map(|(key, value)| (format!("shadows.{key}"), value))
-        .collect()
+    let (mut shadows, before) = kept.unwrap_or((Shadows::default(), light));
+    if std::mem::discriminant(&before) != std::mem::discriminant(&light) {
+        shadows.light_radius = 0.0;
+    }
+    let keys = shadows.keys().into_iter().zip(Shadows::default().keys());
+    let given = keys.filter(|(key, default)| key.value != default.value).map(|(key, _)| (key.name, key.value));
+    let method = ("method", Some(Setting::from("texture")));
+    std::iter::once(method).chain(given).map(|(key, value)| (format!("shadows.{key}"), value)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_scene::{Document, Overrides};
+    use pellucid_scene::{CameraSettings, Document, Overrides};
 
     #[test]
     fn angles_and_directions_are_the_same_light() {
@@ -227,15 +215,16 @@ mod tests {
 
     #[test]
     fn elevations_refer_to_the_vertical_of_the_camera_or_of_the_clouds() {
-        let up = |up: Option<DVec3>, of_clouds| nearest_or(up, of_clouds).up();
+        let vertical = |up, of_clouds| CameraSettings { up, ..CameraSettings::default() }.vertical(of_clouds);
+        let up = |up: Option<DVec3>, of_clouds| vertical(up, of_clouds).up();
         for clouds in [UpAxis::Y, UpAxis::Z, UpAxis::NegativeY] {
             assert_eq!(up(None, clouds), clouds.direction());
             assert_eq!(up(Some(DVec3::new(1.0, 1.0, 0.0)), clouds), clouds.direction(), "between two axes");
             assert_eq!(up(Some(DVec3::new(0.1, -2.0, 0.5)), clouds), DVec3::NEG_Y);
             assert_eq!(up(Some(DVec3::new(3.0, 0.0, 1.0)), clouds), DVec3::X);
         }
-        assert_eq!(nearest_or(Some(DVec3::X), UpAxis::Z).index(), 0);
-        assert_eq!(nearest_or(None, UpAxis::NegativeY).index(), 1);
+        assert_eq!(vertical(Some(DVec3::X), UpAxis::Z).index(), 0);
+        assert_eq!(vertical(None, UpAxis::NegativeY).index(), 1);
     }
 
     #[test]

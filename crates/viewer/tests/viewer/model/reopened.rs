@@ -1,13 +1,11 @@
 //! A scene that was saved and is opened again, by the worker on a device.
 
-use pellucid_testing::with_device;
-
 use super::*;
-use crate::messages::Setup;
-use crate::worker::{Worker, Workload};
+use crate::worker::started;
 use pellucid_gpu::Device;
 use pellucid_scene::{self as scene, Opened};
-use pellucid_session::{Clouds, Sources};
+use pellucid_testing::with_device;
+use pellucid_viewer::worker::Worker;
 
 /// Runs the tasks of a model until a picture is there that nothing was left out of; its pixels.
 fn settle(model: &mut Model, worker: &Worker) -> Vec<u32> {
@@ -57,11 +55,7 @@ fn reopen(device: &Device) {
     let Opened { name, document, clouds, generated } = opened;
     let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
-    let clouds = Clouds::Held(clouds.into_iter().map(Into::into).collect());
-    let workload = Workload { sources: Sources::new(clouds, u64::MAX, true), generated, tasks: Vec::new() };
-    let worker =
-        Worker::start(device, workload, Setup { seed: 7, memory_budget: None, host_memory: u64::MAX }, false, || {})
-            .unwrap();
+    let worker = started(device, clouds, generated, 7);
     let first = settle(&mut model, &worker);
     let settings = [
         ("method.name", Setting::Word("sorted".into())),
@@ -84,7 +78,7 @@ fn reopen(device: &Device) {
         }
         let shown = settle(&mut model, &worker);
         assert!(shown != first, "it is another picture");
-        let (scene, pose) = (Scene::clone(model.scene()), model.pose);
+        let (scene, pose) = (Scene::clone(model.scene()), model.pose());
         model.save_to(true, Some(file.clone()));
         settle(&mut model, &worker);
         let said = model.message.clone().unwrap().0;

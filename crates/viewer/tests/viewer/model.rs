@@ -1,19 +1,20 @@
 //! Tests of the tasks that are requested, of their times, and of the files that are saved.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use glam::DVec3;
-
-use super::due::STILL;
-use super::*;
-use crate::accuracy::{Accuracy, Exactness, History, Reference};
-use crate::draft::Effort;
-use crate::messages::{CloudShare, Request};
-use crate::navigate::CameraSubject;
-use pellucid_core::camera::Camera;
+use glam::{DVec2, DVec3};
+use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Facts, FrameProfile};
-use pellucid_scene::{Method, Overrides, ViewName};
+use pellucid_scene::{Document, Method, Overrides, Scene, Setting, View, ViewName};
+use pellucid_viewer::accuracy::{Accuracy, Exactness, History, Reference};
+use pellucid_viewer::draft::Effort;
+use pellucid_viewer::messages::{CloudShare, News, Request, Task, WindowPicture};
+use pellucid_viewer::model::{Model, Passes, REST, STILL, Viewport};
+use pellucid_viewer::navigate::{CameraSubject, Navigator, Pose};
 
 mod edited;
 mod keys;
@@ -211,7 +212,8 @@ fn approximations_at_rest_are_held_against_the_exact_picture_once() {
     assert_eq!(model.picture().unwrap().accuracy, measured);
     // A stopped picture is requested again.
     let (mut model, now) = settled();
-    model.picture.as_mut().unwrap().accuracy.exactness = Some(approximation);
+    let unmeasured = Accuracy { refinements: Vec::new(), against: None, exactness: Some(approximation) };
+    model.take_in(News::Measured(model.picture().unwrap().serial, unmeasured)).unwrap();
     let Some(Task::Measure(serial)) = model.next_task(now + STILL) else { panic!("no measurement") };
     model.take_in(News::Stopped(serial)).unwrap();
     assert!(matches!(model.next_task(now + STILL), Some(Task::Measure(_))));
@@ -248,10 +250,10 @@ fn the_camera_is_saved_when_it_has_moved() {
     let scene = saved(&mut model);
     assert_eq!((scene.camera, scene.image.size), (before, SIZE));
     model.navigate(|navigator| navigator.orbit(DVec2::new(5.0, 3.0), 48.0));
-    let Pose::At(shown) = model.pose else { panic!("moved") };
+    let Pose::At(shown) = model.pose() else { panic!("moved") };
     assert_eq!(saved(&mut model).camera, shown, "to the last bit");
     model.navigate(Navigator::toggle_projection);
-    let Pose::At(shown) = model.pose else { panic!("moved") };
+    let Pose::At(shown) = model.pose() else { panic!("moved") };
     assert_eq!(saved(&mut model).camera, shown);
     assert!(shown.height.is_some() && shown.fov_y.is_none() && shown.near == Some(0.5));
 }
@@ -262,7 +264,7 @@ fn the_pointer_finds_what_is_there() {
     // The middle of the wall, 10 before the eye.
     assert!(model.point_at(DVec2::new(32.0, 24.0)).unwrap().length() < 1e-9);
     model.pivot_at(DVec2::new(40.0, 24.0));
-    let pivot = model.navigator.unwrap().pivot();
+    let pivot = model.navigator().unwrap().pivot();
     // 8 pixels of 2·10·tan(22.5°)/48 units.
     assert!((pivot - DVec3::X * (160.0 / 48.0) * 22.5f64.to_radians().tan()).length() < 1e-9, "{pivot}");
     let request = asked(&mut model, Instant::now()).unwrap();

@@ -1,10 +1,11 @@
 //! Edits of the scene by the panel.
 
 use super::*;
-use crate::controls::{self, ControlExtent};
-use crate::statistics::{FieldFacts, Statistics};
+use crate::controls::ends;
 use pellucid_engine::passes::project::Parts;
 use pellucid_scene::{DiscShape, METHODS, Shells, method_keys};
+use pellucid_viewer::controls::{self, ControlExtent};
+use pellucid_viewer::statistics::{FieldFacts, Statistics};
 
 fn word(word: &str) -> Setting {
     Setting::Word(word.to_owned())
@@ -44,16 +45,9 @@ fn every_change_asks_for_a_picture() {
 #[test]
 fn every_method_can_be_chosen_from_every_other() {
     let mut model = model();
-    let end = |control, last: bool| match control {
-        controls::Control::Slider(from, to) | controls::Control::Powers(from, to) => {
-            Setting::Number(if last { to } else { from })
-        }
-        controls::Control::Count(from, to) => Setting::Integer(if last { to } else { from }),
-        controls::Control::OneOf(numbers) => Setting::Integer(numbers[if last { numbers.len() - 1 } else { 0 }]),
-        controls::Control::Flag => Setting::Flag(last),
-        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }].name),
-        controls::Control::Opacity => Setting::Number(if last { 1.0 } else { 0.0 }),
-        controls::Control::Color => Setting::Numbers(vec![0.0; 3]),
+    let end = |control, last: bool| {
+        let ends = ends(control);
+        ends[if last { ends.len() - 1 } else { 0 }].clone()
     };
     for first in METHODS {
         for last in [false, true] {
@@ -63,12 +57,11 @@ fn every_method_can_be_chosen_from_every_other() {
                 let control = controls::method(&method.representative(), key, model.extent()).unwrap().control;
                 model.change(&controls::method_changes(&method.representative(), key, Some(end(control, last))));
             }
-            let edited = model.document.clone();
+            let edited = model.document_as_shown().unwrap();
             for second in METHODS {
                 model.set_method(second);
                 assert_eq!((model.scene().method.name(), &model.message), (*second, &None), "from {first}");
-                model.document = edited.clone();
-                model.scene = Arc::new(edited.scene().unwrap());
+                model.take_in(News::Opened("s.toml".into(), Box::new(edited.clone()))).unwrap();
             }
         }
     }

@@ -14,7 +14,7 @@ fn with_keys() -> (Model, Vec<CameraSettings>) {
             model.navigate(|navigator| navigator.orbit(DVec2::new(6.0, 1.0), 48.0));
         }
         model.add_key();
-        let Pose::At(camera) = model.pose else { panic!("a key is a place") };
+        let Pose::At(camera) = model.pose() else { panic!("a key is a place") };
         cameras.push(camera);
     }
     assert_eq!((model.route.keys().len(), model.message.clone()), (3, None));
@@ -56,7 +56,7 @@ fn a_key_is_the_camera_that_is_shown() {
     }
     // Turning the camera then starts from the key.
     model.navigate(|navigator| navigator.orbit(DVec2::new(48.0, 0.0), 48.0));
-    let (Pose::At(turned), last) = (model.pose, &cameras[2]) else { panic!("moved") };
+    let (Pose::At(turned), last) = (model.pose(), &cameras[2]) else { panic!("moved") };
     let arm = |camera: &CameraSettings| camera.eye.unwrap() - last.target.unwrap();
     assert!((arm(&turned) * DVec3::new(-1.0, -1.0, 1.0) - arm(last)).length() < 1e-9, "half a turn about the target");
 }
@@ -78,14 +78,14 @@ fn the_camera_runs_as_something_that_moves_until_it_is_moved() {
     shown(&mut model);
     model.play();
     (0..50).for_each(|_| model.tick(0.1));
-    let Pose::At(last) = model.pose else { panic!("on the path") };
+    let Pose::At(last) = model.pose() else { panic!("on the path") };
     let off = |a: Option<DVec3>, b: Option<DVec3>| (a.unwrap() - b.unwrap()).length();
     assert!(!model.route.is_playing() && off(last.eye, cameras[2].eye) == 0.0, "{:?}", last.eye);
     model.play();
     model.play();
     assert!(!model.route.is_playing(), "a second time stops it");
     model.seek(2.0);
-    let Pose::At(middle) = model.pose else { panic!("on the path") };
+    let Pose::At(middle) = model.pose() else { panic!("on the path") };
     assert_eq!(off(middle.eye, cameras[1].eye), 0.0);
 }
 
@@ -94,14 +94,14 @@ fn a_turntable_is_round() {
     let (mut model, _) = settled();
     model.pivot_at(DVec2::new(40.0, 24.0));
     model.navigate(|navigator| navigator.orbit(DVec2::new(3.0, 7.0), 48.0));
-    let (navigator, before) = (model.navigator.unwrap(), model.pose);
+    let (navigator, before) = (model.navigator().unwrap(), model.pose());
     model.fill_turntable();
-    assert_eq!((model.pose, model.route.keys().len(), model.route.is_closed()), (before, 16, true));
+    assert_eq!((model.pose(), model.route.keys().len(), model.route.is_closed()), (before, 16, true));
     let arm = |eye: DVec3| eye - navigator.pivot();
     let first = arm(DVec3::from(model.route.keys()[0].eye));
     for step in 0..=160 {
         model.seek(model.route.duration() * f64::from(step) / 160.0);
-        let Pose::At(camera) = model.pose else { panic!("on the path") };
+        let Pose::At(camera) = model.pose() else { panic!("on the path") };
         let off = (arm(camera.eye.unwrap()).length() / first.length() - 1.0).abs();
         assert!(off < 1e-3, "{off} of the radius at step {step}");
         let (from, to) = (first.truncate(), arm(camera.eye.unwrap()).truncate());
@@ -205,7 +205,7 @@ fn cameras_of_other_programs_become_keys() {
     assert_eq!(model.route.path(SIZE).size, Some([64, 96]));
     for (at, up) in [(0, DVec3::Z), (1, DVec3::X)] {
         model.go_to_key(at);
-        let Pose::At(camera) = model.pose else { panic!("a key is a place") };
+        let Pose::At(camera) = model.pose() else { panic!("a key is a place") };
         let along = (camera.target.unwrap() - camera.eye.unwrap()).normalize();
         let off = (along - DVec3::Y).length() + (camera.up.unwrap() - up).length();
         assert!(off < 1e-12 && camera.eye == Some(DVec3::new(0.0, -9.0, 0.0)), "{camera:?}");

@@ -1,7 +1,12 @@
 //! Every key has a control, and every place of a control is a scene.
 
-use super::*;
-use pellucid_scene::{Change, Document, Light, METHODS, Method, Overrides, Scene, SoftLayout, method_keys};
+use pellucid_scene::{
+    Change, Document, Key, Light, METHODS, Method, Overrides, Scene, Setting, Shadows, SoftLayout, method_keys, rounded,
+};
+use pellucid_viewer::controls::{
+    self, Control, ControlExtent, KeyControl, Presence, cloud, entry, find, light_changes, method, method_changes,
+    shadows, significant, thousandths,
+};
 
 const EXTENT: ControlExtent = ControlExtent { diagonal: 250.0, median_radius: 0.125 };
 
@@ -11,7 +16,7 @@ fn document(method: &str) -> Document {
 }
 
 /// Returns the least and the largest value of a control.
-fn ends(control: Control) -> Vec<Setting> {
+pub fn ends(control: Control) -> Vec<Setting> {
     match control {
         Control::Slider(from, to) | Control::Powers(from, to) => vec![Setting::Number(from), Setting::Number(to)],
         Control::Opacity => vec![Setting::Number(0.0), Setting::Number(1.0)],
@@ -166,10 +171,10 @@ fn of_two_keys_that_exclude_each_other_the_last_one_stays() {
     // In either order: the other slider starts with the same density.
     let lambda = method(&set("softness", Setting::Number(0.25)), "lambda", EXTENT).unwrap();
     let method = set("lambda", lambda.value);
-    assert_eq!(super::method(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));
-    assert!(!is_on(&super::method(&method, "softness", EXTENT).unwrap()));
+    assert_eq!(controls::method(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));
+    assert!(!is_on(&controls::method(&method, "softness", EXTENT).unwrap()));
     let method = set("softness", Setting::Number(0.75));
-    assert!(!is_on(&super::method(&method, "lambda", EXTENT).unwrap()));
+    assert!(!is_on(&controls::method(&method, "lambda", EXTENT).unwrap()));
     set("modulation", Setting::Number(0.75));
     let method = set("layout", Setting::Word("paper".into()));
     assert_eq!(method.soft().unwrap().modulation, None);

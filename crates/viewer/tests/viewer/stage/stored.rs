@@ -1,15 +1,17 @@
 //! Clouds that stay in their files: whole pictures have the bytes of those with all points in memory, drafts hold part
 //! of the points, and what is stopped leaves no trace.
 
+use std::sync::Arc;
+
 use super::*;
-use crate::sources::{Opened, statistics};
 use pellucid_engine::methods;
 use pellucid_io::ply;
 use pellucid_io::store::build::Settings;
 use pellucid_io::store::{self, Store};
 use pellucid_scene::{self as scene, procedural};
 use pellucid_session::Silent;
-use std::sync::Arc;
+use pellucid_viewer::messages::CloudShare;
+use pellucid_viewer::statistics::Statistics;
 
 const COUNT: usize = 90_000;
 
@@ -54,26 +56,16 @@ impl Case {
     }
 
     fn of(device: &Device, folder: tempfile::TempDir, path: &Path) -> Self {
-        let hidden = Progress::hidden();
-        let named = || {
-            let mut named = scene::name(&[path.to_path_buf()], &Overrides::default(), SEED).unwrap();
-            named.document.put("image.size", Setting::Integers(vec![243, 182])).unwrap();
-            named
-        };
-        let scene = named().document.scene().unwrap();
-        let open = |memory| Opened::open(named(), &scene, memory, &Silent, &hidden).unwrap();
-        let Opened { sources, document, .. } = open(LITTLE.host_memory);
+        let mut named = scene::name(&[path.to_path_buf()], &Overrides::default(), SEED).unwrap();
+        named.document.put("image.size", Setting::Integers(vec![243, 182])).unwrap();
+        let (scene, hidden) = (named.document.scene().unwrap(), Progress::hidden());
+        let open = |setup: Setup| Sources::open(&named.input, &scene, setup.limits(), &Silent, &hidden).unwrap();
+        let sources = open(LITTLE);
         assert!(matches!(sources.clouds(), Clouds::Stored(_)));
         let stage = SceneRenderer::new(device, sources, &LITTLE).unwrap();
-        let Clouds::Held(clouds) = open(u64::MAX).sources.clouds().clone() else { panic!("there is memory enough") };
+        let Clouds::Held(clouds) = open(SETUP).clouds().clone() else { panic!("there is memory enough") };
         let clouds = clouds.into_iter().map(Arc::unwrap_or_clone).collect();
-        Self { _folder: folder, document, stage, clouds }
-    }
-
-    /// A picture that may take a share of a second, which the whole one is said to take.
-    fn draft(&mut self, scene: &Scene, effort: impl Fn(f64) -> Effort, share: f64) -> TakenPicture {
-        self.stage.costs = Some((scene.method.name(), None, Costs::new(Cost { ms: 1000.0, work: 1.0 })));
-        self.stage.take(scene, Pose::Scene, effort(1000.0 * share)).unwrap()
+        Self { _folder: folder, document: named.document, stage, clouds }
     }
 }
 
@@ -121,13 +113,13 @@ fn drafts_of_levels_hold_part_of_the_points() {
         let first = case.stage.take(&scene, Pose::Scene, Effort::Moving(33.0)).unwrap();
         assert!(first.is_whole(), "of so few points");
         let whole = pixels(&first);
-        let moving = case.draft(&scene, Effort::Moving, 0.1);
+        let moving = draft(&mut case.stage, &scene, Effort::Moving, 0.1);
         let held = moving.held.unwrap();
         assert!(held.points <= 1 << 15 && held.points > 1000 && !held.is_fine, "{held:?}");
         assert!(!moving.is_whole() && moving.name().contains("points"), "{}", moving.name());
         // Pixels of a small picture are wider than points are apart.
         let small = case.document.set("image.size", Setting::Integers(vec![60, 45])).unwrap();
-        let resting = case.draft(&small, Effort::Refining, 0.4);
+        let resting = draft(&mut case.stage, &small, Effort::Refining, 0.4);
         let finer = resting.held.unwrap();
         assert!(finer.is_fine && !resting.is_whole() && finer.points < finer.all, "{finer:?}");
         let again = case.stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
@@ -141,7 +133,7 @@ fn drafts_without_levels_show_points_that_stand_for_all() {
         let mut case = Case::file(device);
         let scene = case.document.set("method.name", Setting::Word("circles".into())).unwrap();
         let whole = case.stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-        let draft = case.draft(&scene, Effort::Moving, 0.1);
+        let draft = draft(&mut case.stage, &scene, Effort::Moving, 0.1);
         assert!(!draft.is_whole() && draft.held.unwrap().all == COUNT as u64);
         let expected = stage(device, case.clouds.clone()).take(&scene, Pose::Scene, Effort::Whole).unwrap();
         assert!(pixels(&whole) == pixels(&expected));
@@ -171,12 +163,12 @@ fn a_frame_stopped_while_nodes_are_read_leaves_no_trace() {
 fn statistics_of_a_store_are_those_of_points_that_stand_for_all() {
     with_device(|device| {
         let mut case = Case::octree(device);
-        let before = statistics(case.stage.clouds());
+        let before = Statistics::of_clouds(case.stage.clouds());
         assert_eq!((before[0].points, before[0].own_radii, before[0].classes.len()), (COUNT, true, 0));
         let scene = case.document.scene().unwrap();
         case.stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
         let held = Clouds::Held(case.clouds.into_iter().map(Arc::new).collect());
-        let (found, expected) = (statistics(case.stage.clouds()), statistics(&held));
+        let [found, expected] = [case.stage.clouds(), &held].map(Statistics::of_clouds);
         // So few points stand for themselves.
         assert_eq!(found[0].classes, expected[0].classes);
         assert_eq!((found[0].auto.clone(), found[0].normals), (expected[0].auto.clone(), expected[0].normals));

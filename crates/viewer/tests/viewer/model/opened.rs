@@ -125,7 +125,7 @@ fn the_meaning_of_colors_is_asked_for_where_it_is_shown() {
     assert!(asked(&mut model, now).is_none() && model.is_at_rest(now + REST));
     // Behind a hidden panel nobody reads it.
     model.shows.panel = false;
-    model.touch();
+    model.set("cloud.0.opacity", Setting::Number(0.5));
     assert!(!asked(&mut model, now).unwrap().legend);
 }
 

@@ -9,12 +9,20 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::*;
-use common::{assert_same, assert_same_clouds, cloud, clouds, document, number, numbers, with_device, words};
+use common::{assert_same, assert_same_clouds, cloud, clouds, document, number, numbers, words};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::shadow_texture::ShadowTexture;
+use pellucid_core::points::Changes;
+use pellucid_core::progress::Progress;
+use pellucid_gpu::Device;
 use pellucid_scene::prepare::{self, Request};
-use pellucid_scene::{Document, METHODS, Overrides, Setting};
+use pellucid_scene::{CameraSettings, Document, METHODS, Overrides, Scene, Setting};
+use pellucid_session::{Clouds, Sources};
+use pellucid_testing::with_device;
+use pellucid_viewer::draft::{Cost, Costs, Effort};
+use pellucid_viewer::messages::Setup;
+use pellucid_viewer::navigate::Pose;
+use pellucid_viewer::stage::{SceneRenderer, TakenPicture};
 
 const SEED: u64 = 5;
 
@@ -29,6 +37,18 @@ fn stage(device: &Device, clouds: Vec<Cloud>) -> SceneRenderer {
 fn fresh(other: &mut SceneRenderer, device: &Device, clouds: &[Cloud], scene: &Scene) -> TakenPicture {
     *other = stage(device, clouds.to_vec());
     other.take(scene, Pose::Scene, Effort::Whole).unwrap()
+}
+
+/// A draft with a share of the work, independent of the machine's frame time: the whole picture is said to take a
+/// second.
+fn draft(stage: &mut SceneRenderer, scene: &Scene, effort: impl Fn(f64) -> Effort, work: f64) -> TakenPicture {
+    stage.costs = Some((scene.method.name(), None, Costs::new(Cost { ms: 1000.0, work: 1.0 })));
+    stage.take(scene, Pose::Scene, effort(1000.0 * work)).unwrap()
+}
+
+/// Where the points of a stage are in memory, once it has some.
+fn places(stage: &mut SceneRenderer) -> Option<*const DVec3> {
+    Some(stage.session().ok()?.points().positions.as_ptr())
 }
 
 /// A setting of each kind; each picture but the first few has all earlier ones in force.
@@ -75,10 +95,9 @@ fn each_setting_of(methods: &[&str]) {
             all.extend([words("method.name", there), words("method.name", method), number("cloud.0.opacity", 0.2)]);
             for (key, value) in all {
                 let scene = document.set(&key, value.clone()).unwrap();
-                let before = live.placed.as_ref().map(|placed| placed.session.points().positions.as_ptr());
+                let before = places(&mut live);
                 let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-                let after = live.placed.as_ref().map(|placed| placed.session.points().positions.as_ptr());
-                following += usize::from(before == after);
+                following += usize::from(before == places(&mut live));
                 let what = format!("{method} (by way of {there}), {key} = {value:?}");
                 assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &what);
                 assert_same_clouds(&mut live, &mut other, &what);
@@ -220,7 +239,7 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
         let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
         live.take(&document.scene().unwrap(), Pose::Scene, Effort::Whole).unwrap();
         let scene = document.set("cloud.1.field", Setting::Word("weight".into())).unwrap();
-        assert!(live.take(&scene, Pose::Scene, Effort::Whole).is_err() && live.placed.is_some());
+        assert!(live.take(&scene, Pose::Scene, Effort::Whole).is_err() && live.session().is_ok());
         let scene = document.set("cloud.1.field", Setting::Word("height".into())).unwrap();
         let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
         assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), "after an error");

@@ -1,16 +1,13 @@
 //! Helpers of the stage's tests: clouds, a scene, comparisons.
 
-use std::path::Path;
-
-use glam::{DVec3, Vec3};
-pub use pellucid_testing::with_device;
+use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
 use pellucid_engine::passes::project::{CloudPart, DeviceCloud, Footprint, Projecting};
 use pellucid_gpu::Buffer;
-use pellucid_scene::{ColorSpace, Document, Overrides, Setting, Shading};
+use pellucid_scene::{ColorSpace, Shading};
 
 /// Points in a flat box, some of them in the same place, with all that settings pick from but radii.
 pub fn cloud(seed: u64, count: usize) -> Cloud {
@@ -79,7 +76,7 @@ pub fn assert_same(live: &TakenPicture, fresh: &TakenPicture, what: &str) {
 /// Compares what two stages have on the device after a picture.
 #[track_caller]
 pub fn assert_same_clouds(live: &mut SceneRenderer, fresh: &mut SceneRenderer, what: &str) {
-    let [live, fresh] = [live, fresh].map(|stage| &mut stage.placed.as_mut().unwrap().session.uploaded.cloud);
+    let [live, fresh] = [live, fresh].map(|stage| &mut stage.session().unwrap().uploaded.cloud);
     let how = Projecting {
         footprint: Footprint::Disc,
         radius_factor: 1.0,

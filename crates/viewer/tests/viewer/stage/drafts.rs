@@ -1,9 +1,9 @@
 //! Drafts show what the whole picture shows, where it shows it; and the whole picture does not depend on them.
 
 use super::*;
-use crate::display::SceneImage;
 use pellucid_core::metrics;
 use pellucid_scene::{procedural, take_generated};
+use pellucid_viewer::display::SceneImage;
 
 const SIZE: [u32; 2] = [243, 182];
 
@@ -51,13 +51,6 @@ fn apart(a: &[[f32; 3]], b: &[[f32; 3]], [dx, dy]: [i64; 2]) -> f64 {
     metrics::rmse(&a, &b)
 }
 
-/// A draft with a share of the work, independent of the machine's frame time.
-fn draft(stage: &mut SceneRenderer, scene: &Scene, work: f64) -> TakenPicture {
-    let name = scene.method.name();
-    stage.costs = Some((name, None, Costs::new(Cost { ms: 1000.0, work: 1.0 })));
-    stage.take(scene, Pose::Scene, Effort::Moving(1000.0 * work)).unwrap()
-}
-
 #[test]
 fn drafts_lie_where_the_whole_picture_does() {
     with_device(|device| {
@@ -94,7 +87,7 @@ fn drafts_lie_where_the_whole_picture_does() {
             let background = vec![scene.image.background.to_array(); picture.len()];
             for (work, name, step) in drafts {
                 let what = format!("{method}, {name}");
-                let taken = draft(&mut stage, &scene, *work);
+                let taken = draft(&mut stage, &scene, Effort::Moving, *work);
                 assert_eq!((taken.name().as_str(), taken.is_whole()), (*name, false), "{what}");
                 let pixels = blurred(&composed(&stage, &taken, &scene));
                 let here = apart(&picture, &pixels, [0, 0]);
@@ -129,7 +122,7 @@ fn finer_drafts_are_closer_to_the_whole_picture() {
         let picture = composed(&stage, &whole, &scene);
         let shares = [0.016, 0.028, 0.0625, 0.12, 0.25, 1.0];
         let errors = shares.map(|work| {
-            let taken = draft(&mut stage, &scene, work);
+            let taken = draft(&mut stage, &scene, Effort::Moving, work);
             assert!(!taken.rendered.image.has_colors(), "they stay on the device");
             apart(&picture, &composed(&stage, &taken, &scene), [0, 0])
         });
@@ -143,10 +136,7 @@ fn a_picture_at_rest_is_whole_once_half_of_its_work_fits() {
     with_device(|device| {
         let (mut stage, mut document) = garden(device);
         let scene = document.set("method.name", Setting::Word("stochastic".into())).unwrap();
-        let mut refined = |work: f64| {
-            stage.costs = Some(("stochastic", None, Costs::new(Cost { ms: 1000.0, work: 1.0 })));
-            stage.take(&scene, Pose::Scene, Effort::Refining(1000.0 * work)).unwrap()
-        };
+        let mut refined = |work: f64| draft(&mut stage, &scene, Effort::Refining, work);
         assert_eq!(refined(0.4).name(), "12 samples");
         let whole = refined(0.5);
         assert!(whole.is_whole() && whole.draft.steps == Some(32));

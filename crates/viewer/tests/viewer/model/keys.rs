@@ -3,7 +3,7 @@
 use egui::{Context, Event, Key, Modifiers, RawInput};
 
 use super::*;
-use crate::pointer;
+use pellucid_viewer::pointer;
 
 /// A frame in which keys went down or up, with these modifiers at its end.
 fn frame(ctx: &Context, model: &mut Model, keys: &[(Key, bool, Modifiers)], modifiers: Modifiers) {
@@ -18,21 +18,21 @@ fn frame(ctx: &Context, model: &mut Model, keys: &[(Key, bool, Modifiers)], modi
 fn a_key_of_a_shortcut_moves_nothing_however_long_it_is_held() {
     let (mut model, _) = settled();
     let (ctx, none) = (Context::default(), Modifiers::NONE);
-    let before = model.navigator;
+    let before = model.navigator();
     // A hand lets go of the modifier first, within the same frame.
     frame(&ctx, &mut model, &[(Key::S, true, Modifiers::CTRL)], none);
     assert!(model.busy, "it saves");
     frame(&ctx, &mut model, &[], none);
-    assert_eq!(model.navigator, before);
+    assert_eq!(model.navigator(), before);
     frame(&ctx, &mut model, &[(Key::S, false, none)], none);
     frame(&ctx, &mut model, &[], none);
-    assert_eq!(model.navigator, before);
+    assert_eq!(model.navigator(), before);
     // The key alone flies; a modifier pressed later stops it.
     frame(&ctx, &mut model, &[(Key::S, true, none)], none);
-    let moved = model.navigator;
+    let moved = model.navigator();
     assert_ne!(moved, before);
     frame(&ctx, &mut model, &[], Modifiers::SHIFT);
-    assert_eq!(model.navigator, moved);
+    assert_eq!(model.navigator(), moved);
 }
 
 #[test]
