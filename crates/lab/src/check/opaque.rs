@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::stage::{Dot, ULP, apart, at, bytes_apart, cloud, colors_of, pixels, pixels_apart};
 use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, naive};
 use pellucid_reference::coverage::Shape;
-use pellucid_reference::splats;
+use pellucid_reference::{View, splats};
 use pellucid_scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
 
 pub(super) fn cases() -> Vec<Case> {
@@ -72,7 +72,8 @@ fn blend(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let image = stage.image(&dots, pixels(SIZE), SIZE, method)?;
     let points = cloud(&dots);
     let settings = BlendedSplats::default();
-    let wanted = splats::render(&pixels(SIZE), SIZE, &points, &colors_of(&points), Shape::Disc, &settings).rgba;
+    let wanted =
+        splats::render(View::new(&pixels(SIZE), SIZE), &points, &colors_of(&points), Shape::Disc, &settings).rgba;
     let nearest = |pixel: &[f64; 4]| pixel.map(|c| c.round() as f32);
     let naive: Vec<[f32; 4]> = wanted.iter().map(nearest).collect();
     // exp(-2 ρ²): 4 roundings of ρ², 4 ρ times, at most 16 units; the exponential one; twice, and a quotient of 2.5.

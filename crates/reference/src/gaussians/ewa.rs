@@ -78,9 +78,8 @@ impl Projected {
 
 /// μ′ in pixels.
 fn center(placed: &PlacedGaussian) -> DVec2 {
-    let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
-    let middle = 0.5 * DVec2::new(f64::from(placed.size[0]), f64::from(placed.size[1]));
-    middle + scale * DVec2::new(placed.center.x, -placed.center.y)
+    let scale = placed.view.pixels_per_unit(placed.center.z);
+    placed.view.middle() + scale * DVec2::new(placed.center.x, -placed.center.y)
 }
 
 /// Returns the factor of the opacity for a ratio of determinants, without and with the dilation.
@@ -91,13 +90,13 @@ pub(super) fn dilation_factor(ratio: f64) -> f64 {
 /// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows
 /// the center to 1.3 times the half field of view.
 fn jacobian(placed: &PlacedGaussian) -> (DMat3, DVec2) {
-    let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
+    let scale = placed.view.pixels_per_unit(placed.center.z);
     let across = DMat3::from_diagonal(DVec3::new(scale, -scale, 0.0));
-    if is_orthographic(placed.camera) {
+    if is_orthographic(placed.view.camera) {
         return (across, DVec2::ZERO);
     }
-    let focal = placed.camera.focal_px(placed.size[1]);
-    let most = 0.5 * CLAMP * DVec2::new(f64::from(placed.size[0]), f64::from(placed.size[1])) / focal;
+    let focal = placed.view.camera.focal_px(placed.view.size[1]);
+    let most = 0.5 * CLAMP * DVec2::new(f64::from(placed.view.size[0]), f64::from(placed.view.size[1])) / focal;
     let slope = (placed.center.truncate() / placed.center.z).clamp(-most, most);
     (DMat3 { z_axis: scale * DVec3::new(-slope.x, slope.y, 0.0), ..across }, slope)
 }

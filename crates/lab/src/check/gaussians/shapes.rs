@@ -8,6 +8,7 @@ use super::alone::{Expected, Known, Shares, alone, compared};
 use super::before;
 use super::splats::{Splat, SplatView, cloud, part, turned};
 use crate::check::prelude::*;
+use pellucid_reference::View;
 use pellucid_reference::gaussians::{PlacedGaussian, ewa, gaussian};
 use pellucid_reference::range::Range;
 use pellucid_scene::Kernel;
@@ -62,7 +63,7 @@ pub(super) fn needles(stage: &mut CaseRenderer, method: Method) -> CaseResult {
 /// pixel and eight of its products. What 8 u of the length L adds across the needle, its variance gains.
 fn along_an_axis(view: &SplatView, splat: &Splat, method: &Method) -> Option<Expected> {
     let gaussian = gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
-    let placed = PlacedGaussian::new(&view.camera, view.size, &gaussian)?;
+    let placed = PlacedGaussian::new(View::new(&view.camera, view.size), &gaussian)?;
     let screen = ewa::Projected::new(&placed, &view.settings);
     let long = screen.columns[0];
     let thin = screen.columns[1].length().hypot(screen.columns[2].length());

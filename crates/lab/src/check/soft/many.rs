@@ -5,6 +5,7 @@ use std::f64::consts::E;
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::prelude::*;
 use crate::check::stage::mixed;
+use pellucid_reference::View;
 use pellucid_reference::soft::{Behind, Model, Ray, Scene};
 use pellucid_scene::{Density, SoftMethod};
 
@@ -58,7 +59,7 @@ pub(super) fn solid(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult 
     let behind = |depth| Behind { color: DVec3::ZERO, alpha: 1.0, depth };
     let wanted = scene.render(|_| behind(2.0)).rgba;
     let cut_short = scene.render(|pixel| {
-        let ray = Ray::new(&camera, size, [pixel as u32 % 9, pixel as u32 / 9]);
+        let ray = Ray::new(View::new(&camera, size), [pixel as u32 % 9, pixel as u32 / 9]);
         behind(2.0 / ray.stretch)
     });
     let naive: Vec<[f32; 4]> = cut_short.rgba.iter().map(|pixel| pixel.map(|c| c as f32)).collect();
