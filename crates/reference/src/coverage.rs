@@ -126,11 +126,6 @@ impl<'a> PlacedSplat<'a> {
         is_in_depth(self.view.camera, self.position_view.z)
     }
 
-    /// Returns `true` if a pixel contains the projected center.
-    fn is_home(&self, pixel: DVec2) -> bool {
-        self.center_px.floor() == pixel
-    }
-
     fn cover(&self, [x, y]: [u32; 2]) -> Option<Coverage> {
         let pixel = DVec2::new(f64::from(x), f64::from(y));
         let hit = match self.outline {
@@ -148,8 +143,8 @@ impl<'a> PlacedSplat<'a> {
         };
         let (z, rho) = match hit {
             Some(hit) => hit,
-            // The pixel's center is outside the rim, so ρ is the rim's own.
-            None if self.is_home(pixel) => (self.position_view.z, 1.0),
+            // The pixel holds the projected center, its own center is outside the rim: ρ is the rim's own.
+            None if self.center_px.floor() == pixel => (self.position_view.z, 1.0),
             None => return None,
         };
         Some(Coverage { x, y, z, rho })

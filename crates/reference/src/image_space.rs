@@ -45,16 +45,8 @@ fn is_ring_masked(ring: [bool; 8]) -> bool {
 }
 
 impl Layer {
-    fn pixels(&self) -> usize {
-        self.depth.len()
-    }
-
-    fn neighbor(&self, pixel: usize, offset: [i64; 2]) -> Option<usize> {
-        neighbor(self.size, pixel, offset)
-    }
-
     fn neighbor_depth(&self, pixel: usize, offset: [i64; 2]) -> f64 {
-        self.neighbor(pixel, offset).map_or(f64::INFINITY, |at| self.depth[at])
+        neighbor(self.size, pixel, offset).map_or(f64::INFINITY, |at| self.depth[at])
     }
 
     /// Returns `true` if a mask matches neighbors that are `beyond`.
@@ -66,13 +58,13 @@ impl Layer {
     fn nearest(&self, pixel: usize) -> usize {
         let rank = |at: &usize| (self.depth[*at], self.rgba[*at]);
         let before = |a: &usize, b: &usize| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal);
-        let ring = RING.iter().filter_map(|offset| self.neighbor(pixel, *offset));
+        let ring = RING.iter().filter_map(|offset| neighbor(self.size, pixel, *offset));
         ring.chain([pixel]).min_by(before).unwrap_or(pixel)
     }
 
     /// Each pixel with the values of the pixel that `from` names for it.
     fn taken(&self, from: impl Fn(usize) -> usize) -> Self {
-        let sources: Vec<usize> = (0..self.pixels()).map(from).collect();
+        let sources: Vec<usize> = (0..self.depth.len()).map(from).collect();
         Self {
             size: self.size,
             depth: sources.iter().map(|&at| self.depth[at]).collect(),
@@ -109,7 +101,7 @@ impl Layer {
             }
             let weighted = RING.map(|offset| {
                 let weight = if EDGES.contains(&offset) { 2.0 } else { 1.0 };
-                (self.neighbor(pixel, offset), weight)
+                (neighbor(self.size, pixel, offset), weight)
             });
             let used = weighted.into_iter().chain([(Some(pixel), 16.0)]);
             let used: Vec<(usize, f64)> = used
@@ -119,7 +111,7 @@ impl Layer {
             let total: f64 = used.iter().map(|(_, weight)| weight).sum();
             std::array::from_fn(|c| used.iter().map(|&(at, weight)| weight * self.rgba[at][c]).sum::<f64>() / total)
         };
-        Self { rgba: (0..self.pixels()).map(smooth).collect(), ..self.clone() }
+        Self { rgba: (0..self.depth.len()).map(smooth).collect(), ..self.clone() }
     }
 
     /// Returns the strength of a depth edge at a pixel (Section 3.5, Table 2): t = min(1, |L| / (4·`distance`)) with L
@@ -139,11 +131,11 @@ impl Layer {
             if t < threshold {
                 return own;
             }
-            let around = EDGES.map(|offset| self.neighbor(pixel, offset).map_or([0.0; 4], |at| self.rgba[at]));
+            let around = EDGES.map(|offset| neighbor(self.size, pixel, offset).map_or([0.0; 4], |at| self.rgba[at]));
             let mean = |c: usize| around.iter().map(|rgba| rgba[c]).sum::<f64>() / 4.0;
             std::array::from_fn(|c| (1.0 - 0.5 * t) * own[c] + 0.5 * t * mean(c))
         };
-        Self { rgba: (0..self.pixels()).map(soften).collect(), ..self.clone() }
+        Self { rgba: (0..self.depth.len()).map(soften).collect(), ..self.clone() }
     }
 
     /// Returns all filters in their order; `far` is the camera's.

@@ -81,6 +81,9 @@ impl<'a> View<'a> {
     }
 }
 
+/// A picture, and the standard error of each pixel's color.
+pub type WithErrors = (ReferencePicture, Vec<DVec3>);
+
 /// A method's result in float64; the counterpart of [`pellucid_core::image::Image`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferencePicture {

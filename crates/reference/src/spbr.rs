@@ -16,7 +16,7 @@ pub use ranges::{Ranges, ranges};
 use super::fragments::{Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
 use super::shading::to_viewer;
-use super::{ReferencePicture, View, dealing};
+use super::{ReferencePicture, View, WithErrors, dealing};
 use pellucid_core::camera::Projection;
 use pellucid_core::cloud::Bounds;
 use pellucid_core::random::{key, threefry2x32};
@@ -209,7 +209,7 @@ struct Inputs<'a> {
 /// ones.
 ///
 /// `colors` holds a color for each point, shaded and in the color space of the blending ([`super::shading::shade`]).
-pub fn render(view: View, dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> (ReferencePicture, Vec<DVec3>) {
+pub fn render(view: View, dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> WithErrors {
     render_with(view, dealt, colors, rule, seed, dealing::hands)
 }
 
@@ -221,7 +221,7 @@ pub fn render_with(
     rule: &Rule,
     seed: u64,
     hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
-) -> (ReferencePicture, Vec<DVec3>) {
+) -> WithErrors {
     let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
     let inputs = Inputs { view, dealt, ids, rule: *rule, seed };
     let count = view.pixels();

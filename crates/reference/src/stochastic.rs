@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::abuffer::lists;
 use super::fragments::{Composite, Fragment, composite};
-use super::{ReferencePicture, View, gaussians};
+use super::{ReferencePicture, View, WithErrors, gaussians};
 use pellucid_core::points::Points;
 use pellucid_core::random::{STRATUM, mask, word};
 use pellucid_scene::Stochastic;
@@ -102,13 +102,7 @@ pub fn estimate(strata: &[Stratum], exact: Option<f64>) -> Estimate {
 
 /// Returns the whole image, and the standard error of each pixel. `colors` holds a color for each point, shaded and in
 /// the space that blending runs in ([`super::shading::shade`]).
-pub fn render(
-    view: View,
-    points: &Points,
-    colors: &[DVec3],
-    settings: &Stochastic,
-    seed: u64,
-) -> (ReferencePicture, Vec<DVec3>) {
+pub fn render(view: View, points: &Points, colors: &[DVec3], settings: &Stochastic, seed: u64) -> WithErrors {
     let ids = points.ids(&points.anchor(), 0..points.len());
     render_with(view, points, colors, settings, |pixel, splat, p| word(seed, pixel, ids[splat as usize], p))
 }
@@ -120,7 +114,7 @@ pub fn render_with(
     colors: &[DVec3],
     settings: &Stochastic,
     words: impl Fn([u32; 2], u32, u32) -> u32,
-) -> (ReferencePicture, Vec<DVec3>) {
+) -> WithErrors {
     let lists = lists(view, points, &settings.discs);
     let estimates: Vec<Estimate> = lists
         .iter()

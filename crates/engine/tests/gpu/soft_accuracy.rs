@@ -118,7 +118,7 @@ impl Case {
         let (camera, size) = (&self.camera, self.size);
         let solids = self.solids();
         let behind = |pixel| solids.as_ref().map_or(Behind::NOTHING, |solids| Behind::from_picture(solids, pixel));
-        Scene { camera, size, points, colors: &colors, model }.render(behind)
+        Scene { view: View::new(camera, size), points, colors: &colors, model }.render(behind)
     }
 
     /// The picture of the solid points, if there are any; no pixel's center is near the rim of one.

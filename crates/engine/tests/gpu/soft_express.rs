@@ -100,7 +100,7 @@ fn composed(
 fn along_axis(points: &Points, frame: &Frame) -> ReferencePicture {
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
     let model = Model::new(frame.method.as_soft().expect("a soft method"), points);
-    Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
+    Scene { view: View::new(&frame.camera, frame.size), points, colors: &colors, model }.render(|_| Behind::NOTHING)
 }
 
 /// The picture in order of depth.

@@ -1,11 +1,7 @@
 //! Cameras at their limits: angles, ranges of depth, points behind the eye.
 
-use super::discs::roundings;
-use super::lists::{exact, except, of_families, with_peel, with_samples};
 use super::naive::is_between;
 use super::prelude::*;
-use super::stage::{colors_of, mixed, pixels_apart};
-use pellucid_reference::View;
 use pellucid_reference::{abuffer, coverage};
 use pellucid_scene::{DiscShape, Family};
 

@@ -61,7 +61,7 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
     let model = Model::new(method, points);
     let solids = solids(device, points, &model.soft, frame)?;
     let colors = shade(points, &frame.camera, &frame.shading, frame.color);
-    let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };
+    let scene = Scene { view: View::new(&frame.camera, frame.size), points, colors: &colors, model };
     let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
     Ok(Some(image_of(&picture)))
 }

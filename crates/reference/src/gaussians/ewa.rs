@@ -54,18 +54,14 @@ impl Projected {
     pub fn determinant(&self) -> f64 {
         let [a, b, c] = self.columns;
         let squares: f64 = [a.perp_dot(b), b.perp_dot(c), c.perp_dot(a)].iter().map(|cross| cross * cross).sum();
-        squares + self.dilation * (self.trace() + self.dilation)
+        let trace: f64 = self.columns.iter().map(|column| column.length_squared()).sum();
+        squares + self.dilation * (trace + self.dilation)
     }
 
     /// ρ² at an offset from the center; NaN or infinite where Σ′ has no inverse.
     pub fn rho2(&self, offset: DVec2) -> f64 {
         let crosses: f64 = self.columns.iter().map(|column| column.perp_dot(offset).powi(2)).sum();
         (crosses + self.dilation * offset.length_squared()) / self.determinant()
-    }
-
-    /// The sum of the variances without the dilation.
-    fn trace(&self) -> f64 {
-        self.columns.iter().map(|column| column.length_squared()).sum()
     }
 
     /// Returns the box around all places with at most this ρ².

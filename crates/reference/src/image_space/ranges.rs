@@ -112,10 +112,6 @@ impl LayerRange {
         neighbor(self.size, pixel, offset).map_or(Range::only(f64::INFINITY), |at| self.depth[at])
     }
 
-    fn neighbor_color(&self, pixel: usize, offset: [i64; 2]) -> ColorRange {
-        neighbor(self.size, pixel, offset).map_or(NOTHING, |at| self.rgba[at])
-    }
-
     /// Tells if one of the eight masks keeps a pixel, of neighbors that lie beyond a depth.
     fn is_masked(&self, pixel: usize, floor: Range) -> Decided {
         let ring = RING.map(|offset| self.neighbor_depth(pixel, offset));
@@ -227,7 +223,7 @@ impl LayerRange {
         let soften = |pixel: usize| {
             let t = self.edge(pixel, distance, far);
             let own = self.rgba[pixel];
-            let around = EDGES.map(|offset| self.neighbor_color(pixel, offset));
+            let around = EDGES.map(|offset| neighbor(self.size, pixel, offset).map_or(NOTHING, |at| self.rgba[at]));
             let mixed = std::array::from_fn(|c| {
                 let mean = around.iter().fold(Range::only(0.0), |sum, rgba| sum + rgba[c]).scaled(0.25);
                 let at = |t: f64| own[c].scaled(1.0 - 0.5 * t) + mean.scaled(0.5 * t);

@@ -3,11 +3,9 @@
 //! The error is a difference of opacity or depth from float64 over the most that is derived for that pixel, so that the
 //! bound is 1.
 
-use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
 use super::splats::{Splat, SplatView, cloud};
 use crate::check::prelude::*;
-use pellucid_reference::View;
 use pellucid_reference::gaussians::{self, Hit};
 use pellucid_reference::range::Range;
 

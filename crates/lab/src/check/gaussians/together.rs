@@ -3,9 +3,7 @@
 //! The error is a difference of color or opacity from float64 over the most that is derived for that pixel, so that the
 //! bound is 1.
 
-use super::super::discs::roundings;
 use super::splats::SplatView;
-use pellucid_reference::View;
 use pellucid_reference::range::Range;
 use pellucid_reference::{abuffer, coverage, gaussians, shading};
 use pellucid_scene::{DiscShape, Shading};
