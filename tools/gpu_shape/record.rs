@@ -64,7 +64,7 @@ fn share(first: usize) -> Result<Vec<Recorded>, String> {
         }
     }
     drop(renderer);
-    let mut stage = check::stage(&device).map_err(|e| e.to_string())?;
+    let mut stage = check::CaseRenderer::new(&device).map_err(|e| e.to_string())?;
     for case in check::cases().into_iter().skip(first).step_by(DEVICES) {
         case.run(&mut stage);
     }

@@ -23,7 +23,7 @@ pub fn check(
         if cases.is_empty() {
             return Err(Failure::Value(format!("names: no case matches {}", names.join(", "))));
         }
-        let mut stage = lab::stage(&device)?;
+        let mut stage = lab::CaseRenderer::new(&device)?;
         talk.progress.set_message("checking");
         talk.progress.set_length(cases.len() as u64);
         let mut results = Vec::new();

@@ -5,29 +5,22 @@ use glam::DVec3;
 pub use super::fragments::{Composite, Fragment, before_end, composite, splat};
 
 use super::fragments::of_disc;
-use super::{ReferencePicture, gaussians};
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View, gaussians};
 use pellucid_core::points::Points;
 use pellucid_scene::Discs;
 
 /// Returns fragments of each pixel, near to far; equal depths by the point's index, so that order of arrival can't
 /// show.
-pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
-    let all: Vec<usize> = (0..size[0] as usize * size[1] as usize).collect();
-    lists_at(camera, size, points, discs, &all)
+pub fn lists(view: View, points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
+    let all: Vec<usize> = (0..view.pixels()).collect();
+    lists_at(view, points, discs, &all)
 }
 
 /// Makes the lists like [`lists`], for these pixels alone: row · width + column, ascending.
-pub fn lists_at(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    discs: &Discs,
-    wanted: &[usize],
-) -> Vec<Vec<Fragment>> {
+pub fn lists_at(view: View, points: &Points, discs: &Discs, wanted: &[usize]) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); wanted.len()];
     for index in 0..points.len() {
-        for (pixel, fragment) in of_point(camera, size, points, index, discs) {
+        for (pixel, fragment) in of_point(view, points, index, discs) {
             if let Ok(at) = wanted.binary_search(&pixel) {
                 pixels[at].push(fragment);
             }
@@ -40,15 +33,9 @@ pub fn lists_at(
 }
 
 /// Returns the fragments of a point's Gaussian or disc, each with its pixel: row · width + column.
-pub(super) fn of_point(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    index: usize,
-    discs: &Discs,
-) -> Vec<(usize, Fragment)> {
-    let of_gaussian = gaussians::fragments(camera, size, points, index, &discs.gaussians);
-    of_gaussian.unwrap_or_else(|| of_disc(camera, size, points, index, discs))
+pub(super) fn of_point(view: View, points: &Points, index: usize, discs: &Discs) -> Vec<(usize, Fragment)> {
+    let of_gaussian = gaussians::fragments(view, points, index, &discs.gaussians);
+    of_gaussian.unwrap_or_else(|| of_disc(view, points, index, discs))
 }
 
 /// Returns the smallest distance between successive depths of a list, over the depth; equal depths don't count, since
@@ -84,14 +71,14 @@ pub fn mean_depth(list: &[Fragment]) -> f64 {
 
 /// Returns the whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
+pub fn render(view: View, points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
     if gaussians::ellipsoid::are_drawn(points, discs) {
-        return gaussians::ellipsoid::render(camera, size, points, colors, discs);
+        return gaussians::ellipsoid::render(view, points, colors, discs);
     }
-    let lists = lists(camera, size, points, discs);
+    let lists = lists(view, points, discs);
     let stop = gaussians::stop(points, &discs.gaussians);
     let pixel = |list: &[Fragment]| {
-        composite(before_end(&gaussians::with_depths(camera, points, &discs.gaussians, list), stop), colors)
+        composite(before_end(&gaussians::with_depths(view.camera, points, &discs.gaussians, list), stop), colors)
     };
-    ReferencePicture::of_lists(size, &lists, pixel)
+    ReferencePicture::of_lists(view.size, &lists, pixel)
 }

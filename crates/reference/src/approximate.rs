@@ -6,8 +6,7 @@ use glam::DVec3;
 
 use super::abuffer::lists;
 use super::fragments::{Composite, Fragment, composite, coverage, nearest, place};
-use super::{ReferencePicture, gaussians, mlab, moments, wavelet};
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View, gaussians, mlab, moments, wavelet};
 use pellucid_core::points::Points;
 use pellucid_scene::{Hybrid, Method, Mlab, Moments, Tail, Wavelet};
 
@@ -75,17 +74,11 @@ pub fn hybrid_before(
 /// Returns the whole image by one of the methods of this module, or by `mlab`, `moments` or `wavelet`; `None` for
 /// others. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
-pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    method: &Method,
-) -> Option<ReferencePicture> {
+pub fn render(view: View, points: &Points, colors: &[DVec3], method: &Method) -> Option<ReferencePicture> {
     let discs = method.discs()?;
-    let lists = lists(camera, size, points, discs);
-    let range = [camera.near, camera.far];
-    let with_depths = |list: &[Fragment]| gaussians::with_depths(camera, points, &discs.gaussians, list);
+    let lists = lists(view, points, discs);
+    let range = [view.camera.near, view.camera.far];
+    let with_depths = |list: &[Fragment]| gaussians::with_depths(view.camera, points, &discs.gaussians, list);
     let pixel = |list: &Vec<Fragment>| match method {
         Method::Weighted(_) => Some(weighted(list, colors, range)),
         Method::Average(_) => Some(average(list, colors)),
@@ -103,8 +96,8 @@ pub fn render(
         Method::Wavelet(Wavelet { rank, .. }) => Some(wavelet::wavelet(&with_depths(list), colors, range, *rank)),
         _ => None,
     };
-    let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &discs.gaussians, list, key);
+    let shown = |list: &[Fragment], key| gaussians::depth_of_key(view.camera, points, &discs.gaussians, list, key);
     let finished =
         |list| pixel(list).map(|found| (Composite { depth: shown(list, found.depth), ..found }, list.len() as u32));
-    Some(ReferencePicture::of(size, lists.iter().map(finished).collect::<Option<Vec<_>>>()?))
+    Some(ReferencePicture::of(view.size, lists.iter().map(finished).collect::<Option<Vec<_>>>()?))
 }

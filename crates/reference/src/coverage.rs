@@ -11,6 +11,7 @@ use glam::{DVec2, DVec3};
 
 pub use ranges::{Possible, possible};
 
+use super::View;
 use pellucid_core::camera::{Camera, Projection};
 
 /// The shape drawn for a point.
@@ -62,16 +63,9 @@ pub struct Coverage {
     pub rho: f64,
 }
 
-impl Coverage {
-    /// Returns the pixel's place in an image: row · width + column.
-    pub(crate) fn index(&self, size: [u32; 2]) -> usize {
-        self.y as usize * size[0] as usize + self.x as usize
-    }
-}
-
 /// Returns the pixels that a splat covers, row by row; empty if it is not drawn.
-pub fn footprint(camera: &Camera, size: [u32; 2], splat: &Splat) -> Vec<Coverage> {
-    match PlacedSplat::new(camera, size, splat) {
+pub fn footprint(view: View, splat: &Splat) -> Vec<Coverage> {
+    match PlacedSplat::new(view, splat) {
         Some(placed) if placed.is_within_depth_range() => placed.window().filter_map(|p| placed.cover(p)).collect(),
         _ => Vec::new(),
     }
@@ -81,8 +75,8 @@ pub fn footprint(camera: &Camera, size: [u32; 2], splat: &Splat) -> Vec<Coverage
 /// distances: from its rim to the nearest pixel center, from its center to the nearest pixel border where the
 /// always-covered pixel matters, and from its depth to `near` and `far` (in pixels at that depth). To first order for
 /// oriented discs; infinite for a non-finite position.
-pub fn margin_px(camera: &Camera, size: [u32; 2], splat: &Splat) -> f64 {
-    let Some(placed) = PlacedSplat::new(camera, size, splat) else { return f64::INFINITY };
+pub fn margin_px(view: View, splat: &Splat) -> f64 {
+    let Some(placed) = PlacedSplat::new(view, splat) else { return f64::INFINITY };
     let depth = placed.depth_margin_px();
     if !placed.is_within_depth_range() {
         return depth;
@@ -99,8 +93,7 @@ enum Outline {
 }
 
 struct PlacedSplat<'a> {
-    camera: &'a Camera,
-    size: [u32; 2],
+    view: View<'a>,
     position_view: DVec3,
     center_px: DVec2,
     outline: Outline,
@@ -108,13 +101,14 @@ struct PlacedSplat<'a> {
 
 impl<'a> PlacedSplat<'a> {
     /// `None` for a non-finite position.
-    fn new(camera: &'a Camera, size: [u32; 2], splat: &Splat) -> Option<Self> {
+    fn new(view: View<'a>, splat: &Splat) -> Option<Self> {
         if !splat.position.is_finite() {
             return None;
         }
+        let camera = view.camera;
         let position_view = camera.to_view(splat.position);
-        let (center_px, z) = camera.project(splat.position, size);
-        let radius_px = (splat.radius * camera.pixels_per_unit(z, size[1])).min(splat.max_pixel_radius);
+        let (center_px, z) = camera.project(splat.position, view.size);
+        let radius_px = (splat.radius * view.pixels_per_unit(z)).min(splat.max_pixel_radius);
         let normal = splat.normal.and_then(DVec3::try_normalize);
         let outline = match (splat.shape, normal) {
             (Shape::Point, _) => Outline::Pixel,
@@ -125,16 +119,11 @@ impl<'a> PlacedSplat<'a> {
             }
             (Shape::Disc | Shape::Oriented, _) => Outline::Disc { radius_px },
         };
-        Some(Self { camera, size, position_view, center_px, outline })
+        Some(Self { view, position_view, center_px, outline })
     }
 
     fn is_within_depth_range(&self) -> bool {
-        is_in_depth(self.camera, self.position_view.z)
-    }
-
-    /// Returns `true` if a pixel contains the projected center.
-    fn is_home(&self, pixel: DVec2) -> bool {
-        self.center_px.floor() == pixel
+        is_in_depth(self.view.camera, self.position_view.z)
     }
 
     fn cover(&self, [x, y]: [u32; 2]) -> Option<Coverage> {
@@ -154,8 +143,8 @@ impl<'a> PlacedSplat<'a> {
         };
         let (z, rho) = match hit {
             Some(hit) => hit,
-            // The pixel's center is outside the rim, so ρ is the rim's own.
-            None if self.is_home(pixel) => (self.position_view.z, 1.0),
+            // The pixel holds the projected center, its own center is outside the rim: ρ is the rim's own.
+            None if self.center_px.floor() == pixel => (self.position_view.z, 1.0),
             None => return None,
         };
         Some(Coverage { x, y, z, rho })
@@ -165,14 +154,13 @@ impl<'a> PlacedSplat<'a> {
     /// eye, an orthographic one is a whole line.
     fn tangent_hit(&self, at_px: DVec2) -> Option<(f64, f64)> {
         let Outline::Tangent { radius, normal_view } = self.outline else { return None };
-        let center = 0.5 * DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
-        let on_plane = (at_px - center) * DVec2::new(1.0, -1.0) / self.camera.focal_px(self.size[1]);
-        let (origin, direction) = match self.camera.projection {
+        let on_plane = self.view.on_plane(at_px);
+        let (origin, direction) = match self.view.camera.projection {
             Projection::Perspective { .. } => (DVec3::ZERO, on_plane.extend(1.0)),
             Projection::Orthographic { .. } => (on_plane.extend(0.0), DVec3::Z),
         };
         let z = normal_view.dot(self.position_view - origin) / normal_view.dot(direction);
-        let behind = z <= 0.0 && matches!(self.camera.projection, Projection::Perspective { .. });
+        let behind = z <= 0.0 && matches!(self.view.camera.projection, Projection::Perspective { .. });
         if !z.is_finite() || behind {
             return None;
         }
@@ -181,7 +169,7 @@ impl<'a> PlacedSplat<'a> {
 
     /// Pixels that can be covered, and at least one more on each side.
     fn window(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
-        self.window_in(0..self.size[1])
+        self.window_in(0..self.view.size[1])
     }
 
     /// Returns the pixels of the splat's window in some rows of the image.
@@ -193,20 +181,19 @@ impl<'a> PlacedSplat<'a> {
             }
             Outline::Tangent { radius, normal_view } => self.tangent_window(radius, normal_view),
         };
-        pixels_within(self.size, [low, high], wanted)
+        pixels_within(self.view.size, [low, high], wanted)
     }
 
     /// Image positions around a tilted disc, from its box in camera coordinates; everything if that reaches the eye.
     fn tangent_window(&self, radius: f64, normal_view: DVec3) -> (DVec2, DVec2) {
         let half = radius * (DVec3::ONE - normal_view * normal_view).max(DVec3::ZERO).map(f64::sqrt);
-        on_screen(self.camera, self.size, self.position_view - half, self.position_view + half).into()
+        on_screen(self.view, self.position_view - half, self.position_view + half).into()
     }
 
     fn depth_margin_px(&self) -> f64 {
-        let to =
-            |border: f64| (self.position_view.z - border).abs() * self.camera.pixels_per_unit(border, self.size[1]);
+        let to = |border: f64| (self.position_view.z - border).abs() * self.view.pixels_per_unit(border);
         // An infinite far plane gives NaN in perspective, which `min` drops.
-        to(self.camera.near).min(to(self.camera.far))
+        to(self.view.camera.near).min(to(self.view.camera.far))
     }
 
     /// Distance from the projected center to the next pixel border, where that decides something.
@@ -217,7 +204,7 @@ impl<'a> PlacedSplat<'a> {
             Outline::Square { radius_px } => radius_px < 0.5,
             Outline::Pixel | Outline::Tangent { .. } => true,
         };
-        let [width, height] = self.size.map(f64::from);
+        let [width, height] = self.view.size.map(f64::from);
         let c = self.center_px;
         let near_image = c.x > -1.0 && c.y > -1.0 && c.x < width + 1.0 && c.y < height + 1.0;
         if decides && near_image { (c - c.round()).abs().min_element() } else { f64::INFINITY }
@@ -270,15 +257,15 @@ pub(crate) fn pixels_within(
 }
 
 /// Returns the box on the screen around one in camera coordinates; everything if that reaches the eye.
-pub(crate) fn on_screen(camera: &Camera, size: [u32; 2], min: DVec3, max: DVec3) -> [DVec2; 2] {
+pub(crate) fn on_screen(view: View, min: DVec3, max: DVec3) -> [DVec2; 2] {
     let (low, high) = (min.truncate(), max.truncate());
-    let (low, high) = match camera.projection {
+    let (low, high) = match view.camera.projection {
         Projection::Orthographic { .. } => (low, high),
         Projection::Perspective { .. } if min.z <= 0.0 => return [DVec2::NEG_INFINITY, DVec2::INFINITY],
         Projection::Perspective { .. } => ((low / min.z).min(low / max.z), (high / min.z).max(high / max.z)),
     };
-    let focal = camera.focal_px(size[1]);
-    let middle = 0.5 * DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    let focal = view.camera.focal_px(view.size[1]);
+    let middle = view.middle();
     [middle + focal * DVec2::new(low.x, -high.y), middle + focal * DVec2::new(high.x, -low.y)]
 }
 

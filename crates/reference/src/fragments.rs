@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::ReferencePicture;
 use super::coverage::{Coverage, Shape, Splat, footprint};
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View};
 use pellucid_core::points::Points;
 use pellucid_scene::{DiscShape, Discs, Falloff};
 
@@ -56,21 +55,15 @@ pub fn splat(points: &Points, index: usize, shape: DiscShape) -> Splat {
 }
 
 /// Returns the fragments of a point's disc, each with its pixel: row · width + column.
-pub(super) fn of_disc(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    index: usize,
-    discs: &Discs,
-) -> Vec<(usize, Fragment)> {
+pub(super) fn of_disc(view: View, points: &Points, index: usize, discs: &Discs) -> Vec<(usize, Fragment)> {
     let opacity = f64::from(points.opacities[index]);
-    let covered = footprint(camera, size, &splat(points, index, discs.shape));
+    let covered = footprint(view, &splat(points, index, discs.shape));
     let fragment = |pixel: &Coverage| {
         let alpha = match discs.falloff {
             Falloff::Flat => opacity,
             Falloff::Gaussian => opacity * (-2.0 * pixel.rho * pixel.rho).exp(),
         };
-        (pixel.index(size), Fragment { z: pixel.z, index: index as u32, alpha })
+        (view.index(pixel.x, pixel.y), Fragment { z: pixel.z, index: index as u32, alpha })
     };
     covered.iter().map(fragment).collect()
 }

@@ -10,8 +10,8 @@ use glam::DVec3;
 
 pub use ranges::{Home, LayerRange, count_of, homes, nearest as nearest_ranges, ranges, rounded_distance};
 
-use super::ReferencePicture;
 use super::coverage::{Shape, Splat, footprint};
+use super::{ReferencePicture, View};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
 use pellucid_scene::ImageSpace;
@@ -45,16 +45,8 @@ fn is_ring_masked(ring: [bool; 8]) -> bool {
 }
 
 impl Layer {
-    fn pixels(&self) -> usize {
-        self.depth.len()
-    }
-
-    fn neighbor(&self, pixel: usize, offset: [i64; 2]) -> Option<usize> {
-        neighbor(self.size, pixel, offset)
-    }
-
     fn neighbor_depth(&self, pixel: usize, offset: [i64; 2]) -> f64 {
-        self.neighbor(pixel, offset).map_or(f64::INFINITY, |at| self.depth[at])
+        neighbor(self.size, pixel, offset).map_or(f64::INFINITY, |at| self.depth[at])
     }
 
     /// Returns `true` if a mask matches neighbors that are `beyond`.
@@ -66,13 +58,13 @@ impl Layer {
     fn nearest(&self, pixel: usize) -> usize {
         let rank = |at: &usize| (self.depth[*at], self.rgba[*at]);
         let before = |a: &usize, b: &usize| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal);
-        let ring = RING.iter().filter_map(|offset| self.neighbor(pixel, *offset));
+        let ring = RING.iter().filter_map(|offset| neighbor(self.size, pixel, *offset));
         ring.chain([pixel]).min_by(before).unwrap_or(pixel)
     }
 
     /// Each pixel with the values of the pixel that `from` names for it.
     fn taken(&self, from: impl Fn(usize) -> usize) -> Self {
-        let sources: Vec<usize> = (0..self.pixels()).map(from).collect();
+        let sources: Vec<usize> = (0..self.depth.len()).map(from).collect();
         Self {
             size: self.size,
             depth: sources.iter().map(|&at| self.depth[at]).collect(),
@@ -109,7 +101,7 @@ impl Layer {
             }
             let weighted = RING.map(|offset| {
                 let weight = if EDGES.contains(&offset) { 2.0 } else { 1.0 };
-                (self.neighbor(pixel, offset), weight)
+                (neighbor(self.size, pixel, offset), weight)
             });
             let used = weighted.into_iter().chain([(Some(pixel), 16.0)]);
             let used: Vec<(usize, f64)> = used
@@ -119,7 +111,7 @@ impl Layer {
             let total: f64 = used.iter().map(|(_, weight)| weight).sum();
             std::array::from_fn(|c| used.iter().map(|&(at, weight)| weight * self.rgba[at][c]).sum::<f64>() / total)
         };
-        Self { rgba: (0..self.pixels()).map(smooth).collect(), ..self.clone() }
+        Self { rgba: (0..self.depth.len()).map(smooth).collect(), ..self.clone() }
     }
 
     /// Returns the strength of a depth edge at a pixel (Section 3.5, Table 2): t = min(1, |L| / (4·`distance`)) with L
@@ -139,11 +131,11 @@ impl Layer {
             if t < threshold {
                 return own;
             }
-            let around = EDGES.map(|offset| self.neighbor(pixel, offset).map_or([0.0; 4], |at| self.rgba[at]));
+            let around = EDGES.map(|offset| neighbor(self.size, pixel, offset).map_or([0.0; 4], |at| self.rgba[at]));
             let mean = |c: usize| around.iter().map(|rgba| rgba[c]).sum::<f64>() / 4.0;
             std::array::from_fn(|c| (1.0 - 0.5 * t) * own[c] + 0.5 * t * mean(c))
         };
-        Self { rgba: (0..self.pixels()).map(soften).collect(), ..self.clone() }
+        Self { rgba: (0..self.depth.len()).map(soften).collect(), ..self.clone() }
     }
 
     /// Returns all filters in their order; `far` is the camera's.
@@ -178,6 +170,12 @@ pub fn facing(camera: &Camera, position: DVec3, normal: DVec3) -> Option<f64> {
     (normal != DVec3::ZERO).then(|| normal.dot(to_viewer))
 }
 
+/// Returns `true` if a point is culled.
+fn is_turned_away(camera: &Camera, points: &Points, index: usize) -> bool {
+    let normal = points.own_normal(index).map_or(DVec3::ZERO, |normal| normal.as_dvec3());
+    facing(camera, points.positions[index], normal).is_some_and(|cos| cos <= 0.0)
+}
+
 /// Returns the smallest depth between two layers in world units: the one that is set, else 1% of the diagonal of the
 /// points' box.
 pub fn layer_distance(set: Option<f32>, points: &Points) -> f64 {
@@ -191,21 +189,14 @@ pub fn splat(points: &Points, index: usize) -> Splat {
 
 /// Returns the nearest point of each pixel with a depth of at least `from[pixel]`, with that depth; the smaller index
 /// among equals. `cull`: points whose normal looks away from the viewer are left out.
-pub fn nearest(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    cull: bool,
-    from: &[f64],
-) -> Vec<Option<(f64, usize)>> {
-    let mut found: Vec<Option<(f64, usize)>> = vec![None; size[0] as usize * size[1] as usize];
+pub fn nearest(view: View, points: &Points, cull: bool, from: &[f64]) -> Vec<Option<(f64, usize)>> {
+    let mut found: Vec<Option<(f64, usize)>> = vec![None; view.pixels()];
     for index in 0..points.len() {
-        let normal = points.own_normal(index).map_or(DVec3::ZERO, |normal| normal.as_dvec3());
-        if cull && facing(camera, points.positions[index], normal).is_some_and(|cos| cos <= 0.0) {
+        if cull && is_turned_away(view.camera, points, index) {
             continue;
         }
-        for pixel in footprint(camera, size, &splat(points, index)) {
-            let at = pixel.index(size);
+        for pixel in footprint(view, &splat(points, index)) {
+            let at = view.index(pixel.x, pixel.y);
             if pixel.z >= from[at] && found[at].is_none_or(|(z, _)| pixel.z < z) {
                 found[at] = Some((pixel.z, index));
             }
@@ -226,17 +217,11 @@ pub fn layer(size: [u32; 2], found: &[Option<(f64, usize)>], colors: &[DVec3], a
 
 /// Returns the whole image; opacity is ignored, and a pixel counts one where it is not background after the filters.
 /// `colors` holds a color for each point, shaded and in the space that the image is in ([`super::shading::shade`]).
-pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    filters: &ImageSpace,
-) -> ReferencePicture {
-    let everything = vec![f64::NEG_INFINITY; size[0] as usize * size[1] as usize];
-    let found = nearest(camera, size, points, filters.cull, &everything);
+pub fn render(view: View, points: &Points, colors: &[DVec3], filters: &ImageSpace) -> ReferencePicture {
+    let everything = vec![f64::NEG_INFINITY; view.pixels()];
+    let found = nearest(view, points, filters.cull, &everything);
     let distance = layer_distance(filters.min_layer_distance, points);
-    let layer = layer(size, &found, colors, |_| 1.0).filtered(filters, distance, camera.far);
+    let layer = layer(view.size, &found, colors, |_| 1.0).filtered(filters, distance, view.camera.far);
     let counts = layer.depth.iter().map(|depth| u32::from(depth.is_finite())).collect();
-    ReferencePicture { width: size[0], height: size[1], rgba: layer.rgba, depth: layer.depth, counts }
+    ReferencePicture { width: view.size[0], height: view.size[1], rgba: layer.rgba, depth: layer.depth, counts }
 }

@@ -29,9 +29,60 @@ pub mod splats;
 pub mod stochastic;
 pub mod wavelet;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use fragments::Composite;
+use pellucid_core::camera::Camera;
+
+/// A camera and the image that it makes.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Columns and rows of the image.
+    pub size: [u32; 2],
+}
+
+impl<'a> View<'a> {
+    /// Makes a view.
+    pub fn new(camera: &'a Camera, size: [u32; 2]) -> Self {
+        Self { camera, size }
+    }
+
+    /// Number of pixels.
+    fn pixels(self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// Returns a pixel's place in the image: row · width + column.
+    fn index(self, x: u32, y: u32) -> usize {
+        y as usize * self.size[0] as usize + x as usize
+    }
+
+    /// Returns column and row of the pixel at this place.
+    fn place(self, index: usize) -> [u32; 2] {
+        let width = self.size[0] as usize;
+        [(index % width) as u32, (index / width) as u32]
+    }
+
+    /// Middle of the image in pixels from its upper left corner.
+    fn middle(self) -> DVec2 {
+        0.5 * DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]))
+    }
+
+    /// Returns a position of the image, in pixels, on the plane at depth 1 (orthographic: at any depth), y up.
+    fn on_plane(self, at_px: DVec2) -> DVec2 {
+        (at_px - self.middle()) * DVec2::new(1.0, -1.0) / self.camera.focal_px(self.size[1])
+    }
+
+    /// Returns the pixels that a world unit takes at a depth.
+    fn pixels_per_unit(self, z: f64) -> f64 {
+        self.camera.pixels_per_unit(z, self.size[1])
+    }
+}
+
+/// A picture, and the standard error of each pixel's color.
+pub type WithErrors = (ReferencePicture, Vec<DVec3>);
 
 /// A method's result in float64; the counterpart of [`pellucid_core::image::Image`].
 #[derive(Debug, Clone, PartialEq)]

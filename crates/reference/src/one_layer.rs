@@ -6,11 +6,10 @@ use glam::DVec3;
 
 pub use ranges::ranges;
 
-use super::ReferencePicture;
 use super::coverage::Shape;
 use super::fragments::Composite;
 use super::splats::{self, Fragment};
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View};
 use pellucid_core::points::Points;
 use pellucid_scene::{BlendedSplats, OneLayer};
 
@@ -62,24 +61,18 @@ fn is_soft(points: &Points, index: usize, threshold: f32) -> bool {
 }
 
 /// Returns the fragments of each pixel, soft and solid ones apart.
-pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, threshold: f32) -> Vec<Parts> {
+pub fn lists(view: View, points: &Points, threshold: f32) -> Vec<Parts> {
     let (shape, settings) = (shape_of(points), BlendedSplats::default().splats);
-    let soft = splats::lists(camera, size, points, shape, &settings, |index| is_soft(points, index, threshold));
-    let solid = splats::lists(camera, size, points, shape, &settings, |index| !is_soft(points, index, threshold));
+    let soft = splats::lists(view, points, shape, &settings, |index| is_soft(points, index, threshold));
+    let solid = splats::lists(view, points, shape, &settings, |index| !is_soft(points, index, threshold));
     soft.into_iter().zip(solid).map(|(soft, solid)| Parts { soft, solid }).collect()
 }
 
 /// Returns the whole image; `colors` as those of [`splats::render`].
-pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    settings: &OneLayer,
-) -> ReferencePicture {
-    let lists = lists(camera, size, points, settings.threshold);
+pub fn render(view: View, points: &Points, colors: &[DVec3], settings: &OneLayer) -> ReferencePicture {
+    let lists = lists(view, points, settings.threshold);
     let (softness, blend_depth) = (f64::from(settings.softness), f64::from(BlendedSplats::default().blend_depth));
     let count = |parts: &Parts| (parts.soft.len() + parts.solid.len()) as u32;
     let pixel = |parts: &Parts| (parts.blend(colors, softness, blend_depth), count(parts));
-    ReferencePicture::of(size, lists.iter().map(pixel))
+    ReferencePicture::of(view.size, lists.iter().map(pixel))
 }

@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::ReferencePicture;
 use super::coverage::{Shape, Splat, footprint};
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View};
 use pellucid_core::points::Points;
 use pellucid_scene::{Relief, ScreenSplats};
 
@@ -33,25 +32,23 @@ fn moved(relief: Relief, rho: f64) -> f64 {
 /// and the smaller index among equal ones; opacity is ignored. `colors` holds a color for each point, shaded and in the
 /// color space of the image ([`super::shading::shade`]).
 pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     colors: &[DVec3],
     shape: Shape,
     settings: &ScreenSplats,
     relief: Relief,
 ) -> ReferencePicture {
-    let pixels = size[0] as usize * size[1] as usize;
-    let mut nearest: Vec<Option<usize>> = vec![None; pixels];
-    let mut depth = vec![f64::INFINITY; pixels];
-    let mut counts = vec![0; pixels];
+    let mut nearest: Vec<Option<usize>> = vec![None; view.pixels()];
+    let mut depth = vec![f64::INFINITY; view.pixels()];
+    let mut counts = vec![0; view.pixels()];
     for index in 0..points.len() {
         let splat = splat(points, index, shape, settings);
-        let at_center = camera.pixels_per_unit(camera.to_view(splat.position).z, size[1]);
+        let at_center = view.pixels_per_unit(view.camera.to_view(splat.position).z);
         let radius = splat.radius.min(splat.max_pixel_radius / at_center);
-        for pixel in footprint(camera, size, &splat) {
+        for pixel in footprint(view, &splat) {
             let z = pixel.z - moved(relief, pixel.rho) * radius;
-            let at = pixel.index(size);
+            let at = view.index(pixel.x, pixel.y);
             counts[at] += 1;
             // Points come in the order of their index, so an equal depth leaves the smaller one in place.
             if z < depth[at] {
@@ -61,5 +58,5 @@ pub fn render(
         }
     }
     let rgba = nearest.iter().map(|&point| point.map_or([0.0; 4], |index| colors[index].extend(1.0).to_array()));
-    ReferencePicture { width: size[0], height: size[1], rgba: rgba.collect(), depth, counts }
+    ReferencePicture { width: view.size[0], height: view.size[1], rgba: rgba.collect(), depth, counts }
 }

@@ -4,17 +4,16 @@
 use glam::DVec3;
 
 use super::abuffer::of_point;
-use super::fragments::{Fragment, before_end};
-use super::{ReferencePicture, gaussians};
-use pellucid_core::camera::Camera;
+use super::fragments::{Composite, Fragment, before_end};
+use super::{ReferencePicture, View, gaussians};
 use pellucid_core::points::Points;
 use pellucid_scene::Discs;
 
 /// Returns fragments of each pixel in the order of the points, unsorted by depth.
-pub fn fragments(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
-    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+pub fn fragments(view: View, points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
+    let mut pixels = vec![Vec::new(); view.pixels()];
     for index in 0..points.len() {
-        for (at, fragment) in of_point(camera, size, points, index, discs) {
+        for (at, fragment) in of_point(view, points, index, discs) {
             pixels[at].push(fragment);
         }
     }
@@ -44,18 +43,10 @@ pub fn peel(fragments: &[Fragment], layers: u32) -> Vec<Fragment> {
 /// Returns the whole image from at most `layers` layers (0: all of them); its counts are those of the layers that were
 /// blended. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
-pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    discs: &Discs,
-    layers: u32,
-) -> ReferencePicture {
-    let (mut rgba, mut depth, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+pub fn render(view: View, points: &Points, colors: &[DVec3], discs: &Discs, layers: u32) -> ReferencePicture {
     let stop = gaussians::stop(points, &discs.gaussians);
-    for pixel in fragments(camera, size, points, discs) {
-        let all = peel(&pixel, layers);
+    let pixel = |list: Vec<Fragment>| {
+        let all = peel(&list, layers);
         let peeled = before_end(&all, stop);
         let mut color = DVec3::ZERO;
         let mut transmittance = 1.0;
@@ -63,10 +54,9 @@ pub fn render(
             color += transmittance * fragment.alpha * colors[fragment.index as usize];
             transmittance *= 1.0 - fragment.alpha;
         }
-        rgba.push(color.extend(1.0 - transmittance).to_array());
-        counts.push(peeled.len() as u32);
-        let shown = gaussians::with_depths(camera, points, &discs.gaussians, peeled);
-        depth.push(shown.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z));
-    }
-    ReferencePicture { width: size[0], height: size[1], rgba, depth, counts }
+        let shown = gaussians::with_depths(view.camera, points, &discs.gaussians, peeled);
+        let depth = shown.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z);
+        (Composite { color, alpha: 1.0 - transmittance, depth }, peeled.len() as u32)
+    };
+    ReferencePicture::of(view.size, fragments(view, points, discs).into_iter().map(pixel))
 }

@@ -11,6 +11,7 @@ use glam::{DVec2, DVec3};
 
 pub use ranges::share_ranges;
 
+use super::View;
 use super::coverage::footprint;
 use super::image_space::{Layer, layer, nearest, splat};
 use pellucid_core::camera::{Camera, Projection};
@@ -118,11 +119,10 @@ pub fn area(light: &Light, radius: f64, bounds: &Bounds, places: &[DVec2]) -> Ve
 /// Returns the reference depth of each pixel of a light's image: the nearest point of all, whichever way it faces,
 /// after one iteration of the filter of occluded pixels.
 pub fn reference_depths(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<f64> {
-    let size = [resolution, resolution];
-    let everything = vec![f64::NEG_INFINITY; resolution as usize * resolution as usize];
-    let found = nearest(camera, size, points, false, &everything);
+    let view = View::new(camera, [resolution; 2]);
+    let found = nearest(view, points, false, &vec![f64::NEG_INFINITY; view.pixels()]);
     let colors = vec![DVec3::ZERO; points.len()];
-    let nearest: Layer = layer(size, &found, &colors, |_| 1.0);
+    let nearest: Layer = layer(view.size, &found, &colors, |_| 1.0);
     nearest.occluded_replaced(distance).depth
 }
 
@@ -130,13 +130,14 @@ pub fn reference_depths(camera: &Camera, resolution: u32, points: &Points, dista
 /// it is at least 0, that is, if depth ≤ reference + `distance` / max(|n_z|, 0.1), n_z along the camera's axis; +
 /// `distance` without a normal. `None` outside of the image.
 fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<Option<f64>> {
+    let view = View::new(camera, [resolution; 2]);
     let depths = reference_depths(camera, resolution, points, distance);
     let clearance = |index: usize| {
-        let covered = footprint(camera, [resolution, resolution], &splat(points, index));
+        let covered = footprint(view, &splat(points, index));
         let pixel = covered.first()?;
         let normal = points.own_normal(index).and_then(|normal| normal.as_dvec3().try_normalize());
         let cos = normal.map_or(1.0, |n| n.dot(camera.forward).abs().max(LEAST_COS));
-        let reference = depths[pixel.y as usize * resolution as usize + pixel.x as usize];
+        let reference = depths[view.index(pixel.x, pixel.y)];
         Some(reference + distance / cos - pixel.z)
     };
     (0..points.len()).map(clearance).collect()

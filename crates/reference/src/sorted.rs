@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::fragments::{Fragment, before_end, composite, of_disc};
-use super::{ReferencePicture, gaussians};
+use super::{ReferencePicture, View, gaussians};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
 use pellucid_scene::{Discs, GaussianSettings, Order};
@@ -36,26 +36,26 @@ pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> V
 
 /// Returns fragments of each pixel in the order of their centers; z is the fragment's own depth in the pixel, of a
 /// Gaussian that of its center.
-pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
-    let mut pixels: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];
-    for index in order(camera, points, &discs.gaussians) {
+pub fn lists(view: View, points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
+    let mut pixels: Vec<Vec<Fragment>> = vec![Vec::new(); view.pixels()];
+    for index in order(view.camera, points, &discs.gaussians) {
         if let Some(gaussian) = gaussians::gaussian(points, index) {
-            let hits = gaussians::footprint(camera, size, &gaussian, &discs.gaussians, key(&discs.gaussians));
+            let hits = gaussians::footprint(view, &gaussian, &discs.gaussians, key(&discs.gaussians));
             for hit in hits {
                 let fragment = Fragment { z: hit.z, index: index as u32, alpha: hit.alpha };
-                pixels[hit.y as usize * size[0] as usize + hit.x as usize].push(fragment);
+                pixels[view.index(hit.x, hit.y)].push(fragment);
             }
             continue;
         }
-        of_disc(camera, size, points, index, discs).into_iter().for_each(|(at, fragment)| pixels[at].push(fragment));
+        of_disc(view, points, index, discs).into_iter().for_each(|(at, fragment)| pixels[at].push(fragment));
     }
     pixels
 }
 
 /// Returns the whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
-    let lists = lists(camera, size, points, discs);
+pub fn render(view: View, points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
+    let lists = lists(view, points, discs);
     let stop = gaussians::stop(points, &discs.gaussians);
-    ReferencePicture::of_lists(size, &lists, |list| composite(before_end(list, stop), colors))
+    ReferencePicture::of_lists(view.size, &lists, |list| composite(before_end(list, stop), colors))
 }

@@ -16,8 +16,8 @@ pub use ranges::{Ranges, ranges};
 use super::fragments::{Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
 use super::shading::to_viewer;
-use super::{ReferencePicture, dealing};
-use pellucid_core::camera::{Camera, Projection};
+use super::{ReferencePicture, View, WithErrors, dealing};
+use pellucid_core::camera::Projection;
 use pellucid_core::cloud::Bounds;
 use pellucid_core::random::{key, threefry2x32};
 use pellucid_scene::prepare::ensembles::{CloudSurface, Deal, Dealt};
@@ -94,14 +94,14 @@ pub struct Share {
 
 /// Returns the share of a cloud in the ensembles. For a cloud without density k is infinite: its points are in every
 /// ensemble. For an invisible cloud it is 0.
-pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &CloudSurface, rule: &Rule) -> Share {
+pub fn share(view: View, dealt: &Dealt, surface: &CloudSurface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
     let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
     let corners = Bounds::enclosing(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
-    let deepest = corners.iter().map(|corner| camera.to_view(*corner).z).fold(f64::NEG_INFINITY, f64::max);
-    let depth = camera.to_view(surface.center).z.max(0.5 * deepest).max(camera.near);
+    let deepest = corners.iter().map(|corner| view.camera.to_view(*corner).z).fold(f64::NEG_INFINITY, f64::max);
+    let depth = view.camera.to_view(surface.center).z.max(0.5 * deepest).max(view.camera.near);
     // Points over a pixel, if all are in every ensemble.
-    let most = surface.density / camera.pixels_per_unit(depth, height).powi(2);
+    let most = surface.density / view.pixels_per_unit(depth).powi(2);
     let wanted = points_per_pixel(f64::from(surface.opacity));
     let ensembles = f64::from(rule.ensembles);
     let ratio = match (rule.adjust, wanted) {
@@ -124,10 +124,11 @@ struct Drawn {
 }
 
 /// `None` if it isn't drawn in any ensemble. Near and far are moved apart by this part of a depth.
-fn drawn(view: &View<'_>, share: &Share, index: usize, apart: f64) -> Option<Drawn> {
-    let View { camera, size, dealt, rule, .. } = *view;
+fn drawn(inputs: &Inputs, share: &Share, index: usize, apart: f64) -> Option<Drawn> {
+    let Inputs { view, dealt, rule, .. } = *inputs;
     let position = dealt.points.positions[index];
-    let (at, z) = camera.project(position, size);
+    let camera = view.camera;
+    let (at, z) = camera.project(position, view.size);
     let perspective = matches!(camera.projection, Projection::Perspective { .. });
     let outside = z * (1.0 + apart) < camera.near || z * (1.0 - apart) > camera.far;
     if !position.is_finite() || outside || (perspective && z <= 0.0) {
@@ -135,7 +136,7 @@ fn drawn(view: &View<'_>, share: &Share, index: usize, apart: f64) -> Option<Dra
     }
     let nearer = if perspective { share.depth / z } else { 1.0 };
     let own = if rule.adjust { weight(dealt.points.opacities[index].into(), share.unit) } else { 1.0 };
-    let (upright, slant) = (nearer * nearer * own, slant(view, index));
+    let (upright, slant) = (nearer * nearer * own, slant(inputs, index));
     Some(Drawn { at, z, area: upright * slant, area_error: area_error(upright, slant) })
 }
 
@@ -183,20 +184,19 @@ fn weight(opacity: f64, unit: f64) -> f64 {
 }
 
 /// |cos θ| of a point's normal where the rule wants it, else 1.
-fn slant(view: &View<'_>, index: usize) -> f64 {
-    let normal = view.dealt.points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
-    let to_viewer = to_viewer(view.camera, view.dealt.points.positions[index]);
+fn slant(inputs: &Inputs, index: usize) -> f64 {
+    let normal = inputs.dealt.points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
+    let to_viewer = to_viewer(inputs.view.camera, inputs.dealt.points.positions[index]);
     match normal {
-        Some(normal) if !view.rule.cos_theta => normal.dot(to_viewer).abs(),
+        Some(normal) if !inputs.rule.cos_theta => normal.dot(to_viewer).abs(),
         _ => 1.0,
     }
 }
 
 /// The inputs of an image.
 #[derive(Clone, Copy)]
-struct View<'a> {
-    camera: &'a Camera,
-    size: [u32; 2],
+struct Inputs<'a> {
+    view: View<'a>,
     dealt: &'a Dealt,
     /// Ids of its points.
     ids: &'a [u32],
@@ -209,36 +209,28 @@ struct View<'a> {
 /// ones.
 ///
 /// `colors` holds a color for each point, shaded and in the color space of the blending ([`super::shading::shade`]).
-pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
-    dealt: &Dealt,
-    colors: &[DVec3],
-    rule: &Rule,
-    seed: u64,
-) -> (ReferencePicture, Vec<DVec3>) {
-    render_with(camera, size, dealt, colors, rule, seed, dealing::hands)
+pub fn render(view: View, dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> WithErrors {
+    render_with(view, dealt, colors, rule, seed, dealing::hands)
 }
 
 /// Renders like [`render`], with the points of each ensemble, counted from the cloud's first, from elsewhere.
 pub fn render_with(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     dealt: &Dealt,
     colors: &[DVec3],
     rule: &Rule,
     seed: u64,
     hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
-) -> (ReferencePicture, Vec<DVec3>) {
+) -> WithErrors {
     let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
-    let view = View { camera, size, dealt, ids, rule: *rule, seed };
-    let count = size[0] as usize * size[1] as usize;
+    let inputs = Inputs { view, dealt, ids, rule: *rule, seed };
+    let count = view.pixels();
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
     let mut depth = vec![f64::INFINITY; count];
     let mut counts = vec![0u32; count];
-    let hands = hands_of(&view, hands);
+    let hands = hands_of(&inputs, hands);
     for ensemble in 0..rule.ensembles {
-        let image = draw(&view, ensemble, &hands, &mut counts);
+        let image = draw(&inputs, ensemble, &hands, &mut counts);
         for (pixel, (z, index)) in image.into_iter().enumerate() {
             if let Some(index) = index {
                 let (sum, squares, drawn) = &mut sums[pixel];
@@ -260,14 +252,14 @@ pub fn render_with(
     };
     let rgba = sums.iter().map(mean).collect();
     let stderr = sums.iter().map(stderr).collect();
-    (ReferencePicture { width: size[0], height: size[1], rgba, depth, counts }, stderr)
+    (ReferencePicture { width: view.size[0], height: view.size[1], rgba, depth, counts }, stderr)
 }
 
 /// The points of each cloud and ensemble.
-fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
-    let View { camera, size, dealt, rule, seed, .. } = *view;
+fn hands_of(inputs: &Inputs, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
+    let Inputs { view, dealt, rule, seed, .. } = *inputs;
     let hands_of_cloud = |(surface, place): (&CloudSurface, u32)| {
-        let share = share(camera, size[1], dealt, surface, &rule);
+        let share = share(view, dealt, surface, &rule);
         let points = surface.points.end - surface.points.start;
         hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
     };
@@ -276,17 +268,17 @@ fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<
 
 /// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its
 /// depth.
-fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u32]) -> Vec<(f64, Option<usize>)> {
+fn draw(inputs: &Inputs, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u32]) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
-    for (surface, hands) in view.dealt.surfaces.iter().zip(hands) {
-        let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
+    for (surface, hands) in inputs.dealt.surfaces.iter().zip(hands) {
+        let share = share(inputs.view, inputs.dealt, surface, &inputs.rule);
         for point in &hands[ensemble as usize] {
             let index = (surface.points.start + point) as usize;
-            let Some(point) = drawn(view, &share, index, 0.0) else { continue };
-            if point.area < 1.0 && point.area <= least_area(view.ids[index], ensemble, view.seed) {
+            let Some(point) = drawn(inputs, &share, index, 0.0) else { continue };
+            if point.area < 1.0 && point.area <= least_area(inputs.ids[index], ensemble, inputs.seed) {
                 continue;
             }
-            for pixel in pixels(&point, view.size) {
+            for pixel in pixels(&point, inputs.view.size) {
                 counts[pixel] += 1;
                 if point.z < image[pixel].0 {
                     image[pixel] = (point.z, Some(index));
@@ -300,20 +292,20 @@ fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u
 /// Returns the limit of the mean as the number of ensembles grows. Each point is in a share k/L of them, independently
 /// of the others except for one part in their number. So it is the image of points of this opacity, or less where less
 /// than a pixel is drawn, blended front to back. `counts` are the points on a pixel.
-pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> ReferencePicture {
-    let view = View { camera, size, dealt, ids: &[], rule: *rule, seed: 0 };
-    let mut lists: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];
+pub fn limit(view: View, dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> ReferencePicture {
+    let inputs = Inputs { view, dealt, ids: &[], rule: *rule, seed: 0 };
+    let mut lists: Vec<Vec<Fragment>> = vec![Vec::new(); view.pixels()];
     for surface in &dealt.surfaces {
-        let share = share(camera, size[1], dealt, surface, rule);
+        let share = share(view, dealt, surface, rule);
         let (first, end) = (surface.points.start as usize, surface.points.end as usize);
         let dealt = share.slots as f64 / (f64::from(rule.ensembles) * (end - first) as f64);
         for index in first..end {
-            let Some(point) = drawn(&view, &share, index, 0.0) else { continue };
+            let Some(point) = drawn(&inputs, &share, index, 0.0) else { continue };
             let alpha = dealt * point.area.min(1.0);
-            pixels(&point, size).for_each(|p| lists[p].push(Fragment { z: point.z, index: index as u32, alpha }));
+            pixels(&point, view.size).for_each(|p| lists[p].push(Fragment { z: point.z, index: index as u32, alpha }));
         }
     }
     // Stable: of equal depths in the order of the list.
     lists.iter_mut().for_each(|list| list.sort_by(|a, b| a.z.total_cmp(&b.z)));
-    ReferencePicture::of_lists(size, &lists, |list| composite(list, colors))
+    ReferencePicture::of_lists(view.size, &lists, |list| composite(list, colors))
 }

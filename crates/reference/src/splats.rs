@@ -8,10 +8,9 @@ use glam::DVec3;
 pub use ranges::ranges;
 pub(super) use ranges::{Candidate, blend as blend_ranges, count, for_each_list, nearest};
 
-use super::ReferencePicture;
-use super::coverage::{Shape, Splat, footprint};
+use super::coverage::{Coverage, Shape, Splat, footprint};
 use super::fragments::Composite;
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View};
 use pellucid_core::points::Points;
 use pellucid_scene::{BlendedSplats, ScreenSplats};
 
@@ -30,16 +29,9 @@ pub struct Fragment {
 
 /// Returns the splat that is drawn for a point. The clamp in pixels, at the depth of the center, is put into the world
 /// radius, so that it holds for a disc in the tangent plane too.
-pub fn splat(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    index: usize,
-    shape: Shape,
-    settings: &ScreenSplats,
-) -> Splat {
+pub fn splat(view: View, points: &Points, index: usize, shape: Shape, settings: &ScreenSplats) -> Splat {
     let position = points.positions[index];
-    let most = f64::from(settings.max_pixel_radius) / camera.pixels_per_unit(camera.to_view(position).z, size[1]).abs();
+    let most = f64::from(settings.max_pixel_radius) / view.pixels_per_unit(view.camera.to_view(position).z).abs();
     Splat {
         position,
         radius: (f64::from(points.radii[index]) * f64::from(settings.size)).min(most),
@@ -51,18 +43,17 @@ pub fn splat(
 
 /// Returns the fragments of each pixel, in the order of their points, of those points that `wanted` picks.
 pub fn lists(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     shape: Shape,
     settings: &ScreenSplats,
     wanted: impl Fn(usize) -> bool,
 ) -> Vec<Vec<Fragment>> {
-    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+    let mut pixels = vec![Vec::new(); view.pixels()];
     for index in (0..points.len()).filter(|index| wanted(*index)) {
-        let splat = splat(camera, size, points, index, shape, settings);
-        for pixel in footprint(camera, size, &splat) {
-            pixels[pixel.index(size)].push(Fragment { z: pixel.z, rho: pixel.rho, radius: splat.radius, index });
+        let splat = splat(view, points, index, shape, settings);
+        for Coverage { x, y, z, rho } in footprint(view, &splat) {
+            pixels[view.index(x, y)].push(Fragment { z, rho, radius: splat.radius, index });
         }
     }
     pixels
@@ -93,14 +84,13 @@ pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite
 /// ignored. `colors` holds a color for each point, shaded and in the space that the image is in
 /// ([`super::shading::shade`]).
 pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     colors: &[DVec3],
     shape: Shape,
     settings: &BlendedSplats,
 ) -> ReferencePicture {
-    let lists = lists(camera, size, points, shape, &settings.splats, |_| true);
+    let lists = lists(view, points, shape, &settings.splats, |_| true);
     let blend_depth = f64::from(settings.blend_depth);
-    ReferencePicture::of_lists(size, &lists, |list| blend(list, colors, blend_depth))
+    ReferencePicture::of_lists(view.size, &lists, |list| blend(list, colors, blend_depth))
 }

@@ -9,8 +9,7 @@ use glam::DVec3;
 
 use super::abuffer::lists;
 use super::fragments::{Composite, Fragment, composite};
-use super::{ReferencePicture, gaussians};
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View, WithErrors, gaussians};
 use pellucid_core::points::Points;
 use pellucid_core::random::{STRATUM, mask, word};
 use pellucid_scene::Stochastic;
@@ -103,40 +102,32 @@ pub fn estimate(strata: &[Stratum], exact: Option<f64>) -> Estimate {
 
 /// Returns the whole image, and the standard error of each pixel. `colors` holds a color for each point, shaded and in
 /// the space that blending runs in ([`super::shading::shade`]).
-pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    settings: &Stochastic,
-    seed: u64,
-) -> (ReferencePicture, Vec<DVec3>) {
+pub fn render(view: View, points: &Points, colors: &[DVec3], settings: &Stochastic, seed: u64) -> WithErrors {
     let ids = points.ids(&points.anchor(), 0..points.len());
-    render_with(camera, size, points, colors, settings, |pixel, splat, p| word(seed, pixel, ids[splat as usize], p))
+    render_with(view, points, colors, settings, |pixel, splat, p| word(seed, pixel, ids[splat as usize], p))
 }
 
 /// Renders like [`render`], with random words by pixel, splat and stratum from elsewhere.
 pub fn render_with(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     colors: &[DVec3],
     settings: &Stochastic,
     words: impl Fn([u32; 2], u32, u32) -> u32,
-) -> (ReferencePicture, Vec<DVec3>) {
-    let lists = lists(camera, size, points, &settings.discs);
+) -> WithErrors {
+    let lists = lists(view, points, &settings.discs);
     let estimates: Vec<Estimate> = lists
         .iter()
         .enumerate()
         .map(|(at, list)| {
-            let pixel = [at as u32 % size[0], at as u32 / size[0]];
-            let strata = strata(list, colors, settings.samples, |splat, p| words(pixel, splat, p));
+            let strata = strata(list, colors, settings.samples, |splat, p| words(view.place(at), splat, p));
             estimate(&strata, settings.alpha_correction.then(|| composite(list, colors).alpha))
         })
         .collect();
-    let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &settings.discs.gaussians, list, key);
+    let shown =
+        |list: &[Fragment], key| gaussians::depth_of_key(view.camera, points, &settings.discs.gaussians, list, key);
     let pixels = estimates.iter().zip(&lists).map(|(e, list)| {
         (Composite { color: e.color, alpha: e.alpha, depth: shown(list, e.depth) }, list.len() as u32)
     });
-    (ReferencePicture::of(size, pixels), estimates.iter().map(|e| e.stderr).collect())
+    (ReferencePicture::of(view.size, pixels), estimates.iter().map(|e| e.stderr).collect())
 }

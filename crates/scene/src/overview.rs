@@ -104,6 +104,7 @@ mod tests {
 
     use super::*;
     use pellucid_core::cloud::UpAxis;
+    use pellucid_reference::View;
     use pellucid_reference::abuffer;
 
     fn random(count: usize) -> Vec<DVec3> {
@@ -114,7 +115,7 @@ mod tests {
     /// Fragments and covered pixels by the reference of the picture.
     fn counted(camera: &Camera, size: [u32; 2], points: &Points) -> f64 {
         let points = Points { opacities: vec![1.0; points.len()], ..points.clone() };
-        let lists = abuffer::lists(camera, size, &points, &Default::default());
+        let lists = abuffer::lists(View::new(camera, size), &points, &Default::default());
         let lengths: Vec<usize> = lists.iter().map(Vec::len).filter(|length| *length > 0).collect();
         lengths.iter().sum::<usize>() as f64 / lengths.len() as f64
     }

@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
+use pellucid_reference::View;
 use pellucid_reference::range::PictureRange;
 use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::prepare::order;
@@ -120,15 +121,16 @@ pub fn colors(points: &Points) -> Vec<DVec3> {
 
 /// The exact image of transparent discs without shading, in float64.
 pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> ReferencePicture {
-    reference::abuffer::render(camera, size, points, &colors(points), discs)
+    reference::abuffer::render(View::new(camera, size), points, &colors(points), discs)
 }
 
 /// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or
 /// depth limit.
 pub fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Vec<P> {
     let all = scene_in_order(points);
-    let clear =
-        |i: usize| reference::coverage::margin_px(camera, size, &reference::abuffer::splat(&all, i, shape)) > 0.02;
+    let clear = |i: usize| {
+        reference::coverage::margin_px(View::new(camera, size), &reference::abuffer::splat(&all, i, shape)) > 0.02
+    };
     (0..points.len()).filter(|i| clear(*i)).map(|i| points[i]).collect()
 }
 
@@ -194,7 +196,7 @@ pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading
         };
         let facing = reference::image_space::facing(camera, all.positions[i], normal);
         let is_clear = |cos: f64| cos.abs() > 1e-3;
-        reference::coverage::margin_px(camera, size, &reference::image_space::splat(all, i)) > 0.02
+        reference::coverage::margin_px(View::new(camera, size), &reference::image_space::splat(all, i)) > 0.02
             && facing.is_none_or(is_clear)
             && (to_light == DVec3::ZERO || normal == DVec3::ZERO || is_clear(normal.dot(to_light)))
     })

@@ -41,7 +41,7 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let device = device(args.device)?;
-    let mut stage = check::stage(&device)?;
+    let mut stage = check::CaseRenderer::new(&device)?;
     let progress = console.progress();
     progress.set_length(cases.len() as u64);
     let mut results = Vec::new();

@@ -5,6 +5,7 @@ use pellucid_core::camera::Camera;
 use pellucid_engine::methods::{Error, Frame, Renderer, abuffer};
 use pellucid_gpu::Device;
 use pellucid_reference as reference;
+use pellucid_reference::View;
 use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Light, LongLists, Method, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
@@ -21,7 +22,7 @@ fn counts_offsets_and_lists_are_the_references_exactly() {
         for camera in [perspective(), orthographic()] {
             for discs in all_discs() {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
-                let wanted = reference::abuffer::lists(&camera, size, &points, &discs);
+                let wanted = reference::abuffer::lists(View::new(&camera, size), &points, &discs);
                 let mut renderer = Renderer::new(device).expect("a renderer");
                 let mut cloud = renderer.upload(&points).expect("fits");
                 let frame = frame(camera, size, Method::ABuffer(discs));
@@ -502,7 +503,8 @@ fn shading_and_encoded_blending_equal_the_reference() {
                         (frame.shading, frame.color) = (shading, color);
                         let image = render(device, &points, &frame);
                         let colors = reference::shading::shade(&points, &camera, &shading, color);
-                        let wanted = reference::abuffer::render(&camera, size, &points, &colors, &Discs::default());
+                        let wanted =
+                            reference::abuffer::render(View::new(&camera, size), &points, &colors, &Discs::default());
                         let (largest, _) = difference(&image, &wanted, 0.0);
                         // A highlight of exponent 32 amplifies the rounding of r·v by 32.
                         assert!(largest < 6e-5, "{shading:?} {color:?}: {largest}");

@@ -7,6 +7,7 @@ use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Mlab, Shading, ShadingModel};
 use pellucid_testing::*;
@@ -45,7 +46,7 @@ fn shapes() -> impl Iterator<Item = Discs> {
 }
 
 fn reference(points: &Points, camera: &Camera, size: [u32; 2], method: &Method) -> ReferencePicture {
-    reference::approximate::render(camera, size, points, &colors(points), method).expect("an approximation")
+    reference::approximate::render(View::new(camera, size), points, &colors(points), method).expect("an approximation")
 }
 
 #[track_caller]
@@ -150,7 +151,7 @@ fn blending_of_shaded_and_encoded_colors() {
             frame.shading = Shading { model: ShadingModel::Phong, specular: 0.4, ..Shading::default() };
             frame.color = ColorSpace::Encoded;
             let colors = reference::shading::shade(&points, &frame.camera, &frame.shading, frame.color);
-            let wanted = reference::approximate::render(&frame.camera, size, &points, &colors, &method);
+            let wanted = reference::approximate::render(View::new(&frame.camera, size), &points, &colors, &method);
             // As in the tests of `abuffer`: powers and the curve of sRGB round by themselves.
             assert_equals(&render(device, &points, &frame), &wanted.expect("an approximation"), 1e-4, &method);
         }
@@ -165,7 +166,7 @@ fn crossing_discs_are_composed_by_their_depths_in_each_pixel() {
         for (camera, falloff) in [(perspective(), Falloff::Flat), (orthographic(), Falloff::Gaussian)] {
             let discs = Discs { shape: DiscShape::Oriented, falloff, ..Discs::default() };
             let points = scene(&safe(&soup, &camera, size, discs.shape));
-            let lists = reference::abuffer::lists(&camera, size, &points, &discs);
+            let lists = reference::abuffer::lists(View::new(&camera, size), &points, &discs);
             let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
             assert!(longest > 32, "{longest}");
             let ks = if falloff == Falloff::Flat { [1, 2, 8, 32, 64] } else { [1, 5, 8, 9, 17] };

@@ -6,6 +6,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::abuffer::{self, Fragment};
 use pellucid_reference::range::ROUNDING;
 use pellucid_scene::{DiscShape, Discs, Edl, LongLists, Method, Peel, Shading};
@@ -78,7 +79,7 @@ fn means_are_those_of_the_reference() {
             ];
             for (j, (camera, size, points)) in cases.into_iter().enumerate() {
                 let points = scene(&safe(&points, &camera, size, discs.shape));
-                let lists = abuffer::lists(&camera, size, &points, &discs);
+                let lists = abuffer::lists(View::new(&camera, size), &points, &discs);
                 longest = longest.max(lists.iter().map(Vec::len).max().unwrap_or(0));
                 // By turns: every pair of discs, points and method.
                 let method = [Method::ABuffer(discs), Method::LinkedList(discs), peeled(discs)][(i + j) % 3];

@@ -10,6 +10,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::Frame;
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{ColorSpace, Discs, GaussianSettings, Hybrid, LongLists, Method, Order, Peel, Shading};
@@ -65,7 +66,7 @@ fn asked(camera: Camera, size: [u32; 2], method: Method) -> Frame {
 
 fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> ReferencePicture {
     let colors = reference::shading::shade(points, &frame.camera, &Shading::NONE, frame.color);
-    reference::abuffer::render(&frame.camera, frame.size, points, &colors, discs)
+    reference::abuffer::render(View::new(&frame.camera, frame.size), points, &colors, discs)
 }
 
 /// A, first, median and mean depth of the middle pixel.

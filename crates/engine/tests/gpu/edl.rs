@@ -6,6 +6,7 @@ use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_reference as reference;
+use pellucid_reference::View;
 use pellucid_reference::range::ROUNDING;
 use pellucid_scene::{ColorSpace, Edl, ImageSpace, Method, Shading};
 use pellucid_testing::*;
@@ -140,7 +141,7 @@ fn medians_are_the_depths_at_which_half_of_the_light_is_left() {
         for discs in all_discs().filter(|discs| discs.raster == RASTERS[0]) {
             for (camera, points) in [(perspective(), mixed()), (orthographic(), layers())] {
                 let points = scene(&safe(&points, &camera, size, discs.shape));
-                let lists = reference::abuffer::lists(&camera, size, &points, &discs);
+                let lists = reference::abuffer::lists(View::new(&camera, size), &points, &discs);
                 // A is a sum of products, each with three roundings of at most 2^-24.
                 let longest = lists.iter().map(Vec::len).max().unwrap_or(0) as f64;
                 let tolerance = 3.0 * longest * ROUNDING;

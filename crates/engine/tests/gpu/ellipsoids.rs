@@ -8,8 +8,10 @@ use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
+use pellucid_reference::View;
 use pellucid_reference::gaussians::{self, PossibleChord, ellipsoid};
 use pellucid_reference::range::{ROUNDING, Range};
+use pellucid_reference::soft::Ray;
 use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::prepare::order;
 use pellucid_scene::{
@@ -58,10 +60,10 @@ fn allowed(points: &Points, frame: &Frame, discs: &Discs, brightest: f64) -> Vec
         let gaussian = gaussians::gaussian(points, index).expect("a Gaussian");
         let shortest = f64::from(points.gaussians.as_ref().expect("some").extents[index].min_element());
         let density = ellipsoid::density(gaussian.opacity, shortest, &discs.gaussians);
-        for chord in gaussians::possible_chords(&frame.camera, frame.size, &gaussian, &discs.gaussians) {
+        for chord in gaussians::possible_chords(View::new(&frame.camera, frame.size), &gaussian, &discs.gaussians) {
             let PossibleChord { x, y, middle, half } = chord;
             let at = (y * frame.size[0] + x) as usize;
-            let dense = density * ellipsoid::ray(&frame.camera, frame.size, [x, y]).stretch;
+            let dense = density * Ray::new(View::new(&frame.camera, frame.size), [x, y]).stretch;
             // Cut at near, whole lengths are only shorter.
             let length = |middle: f64, half: f64| (middle + half - (middle - half).max(near)).clamp(0.0, 2.0 * half);
             let ends = [middle.low, middle.high].map(|middle| [half.low, half.high].map(|half| length(middle, half)));
@@ -115,7 +117,7 @@ fn assert_allowed(image: &Image, wanted: &ReferencePicture, allowed: &[Allowed],
 fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> (ReferencePicture, f64) {
     let colors = reference::shading::shade(points, &frame.camera, &Shading::NONE, frame.color);
     let brightest = colors.iter().map(|color| color.max_element()).fold(1.0, f64::max);
-    (reference::abuffer::render(&frame.camera, frame.size, points, &colors, discs), brightest)
+    (reference::abuffer::render(View::new(&frame.camera, frame.size), points, &colors, discs), brightest)
 }
 
 #[test]
@@ -202,9 +204,10 @@ fn depths_are_those_of_the_reference() {
                 assert!(bits(&image) == bits(&plain) && plain.depth_median.is_none(), "asking changes nothing else");
                 let (median, mean) = (image.depth_median.as_ref(), image.depth_mean.as_ref());
                 let (median, mean) = (median.expect("asked for"), mean.expect("asked for"));
-                let lists = ellipsoid::bodies(&camera, frame.size, &points, &discs);
+                let lists = ellipsoid::bodies(View::new(&camera, frame.size), &points, &discs);
                 for (pixel, list) in lists.iter().enumerate() {
-                    let stretch = ellipsoid::ray(&camera, frame.size, [pixel as u32 % 16, pixel as u32 / 16]).stretch;
+                    let stretch =
+                        Ray::new(View::new(&camera, frame.size), [pixel as u32 % 16, pixel as u32 / 16]).stretch;
                     // Roundings and rims move T by some thousandths of itself, and means by as much of what the list
                     // goes through.
                     let slack = 2e-3;

@@ -11,6 +11,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::abuffer::{Composite, Fragment, composite, lists};
 use pellucid_reference::approximate::hybrid_before;
 use pellucid_reference::moments::{moments, optical_depth};
@@ -144,11 +145,11 @@ fn soups_and_crossing_discs_are_those_of_the_reference() {
             // Shapes by turns with falloffs: every pair of camera, shape, falloff and method.
             for (_, discs) in shapes().enumerate().filter(|(n, _)| (n + n / 2 + i) % 2 == 0) {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
-                let (lists, colors) = (lists(&camera, size, &points, &discs), colors(&points));
+                let (lists, colors) = (lists(View::new(&camera, size), &points, &discs), colors(&points));
                 assert!(lists.iter().map(Vec::len).max() > Some(9));
                 for method in methods(discs) {
                     let image = render(device, &points, &frame(camera, size, method));
-                    let wanted = approximate::render(&camera, size, &points, &colors, &method).expect("one");
+                    let wanted = approximate::render(View::new(&camera, size), &points, &colors, &method).expect("one");
                     let of = |list: &Vec<Fragment>| bound(list, &colors, &camera, &method, off(&discs));
                     let bounds: Vec<_> =
                         lists.iter().map(|list| (!is_at_gate(list, &method)).then(|| of(list))).collect();
@@ -214,7 +215,7 @@ fn near_singular_moments_and_long_lists() {
         let camera = near_camera();
         for (name, layers) in stacks() {
             let points = scene(&layers);
-            let (list, colors) = (&lists(&camera, [1, 1], &points, &Discs::default())[0], colors(&points));
+            let (list, colors) = (&lists(View::new(&camera, [1, 1]), &points, &Discs::default())[0], colors(&points));
             for method in methods(Discs::default()) {
                 let found = one_pixel(device, &layers, method);
                 let wanted = composed(list, &colors, &camera, &method);
@@ -235,7 +236,7 @@ fn near_singular_moments_and_long_lists() {
 #[track_caller]
 fn assert_exact(device: &Device, layers: &[P], points: &Points, method: Method) {
     let camera = near_camera();
-    let (list, colors) = (&lists(&camera, [1, 1], points, &Discs::default())[0], colors(points));
+    let (list, colors) = (&lists(View::new(&camera, [1, 1]), points, &Discs::default())[0], colors(points));
     let (exact, own) = (composite(list, &colors), composed(list, &colors, &camera, &method));
     let biased = (exact.color - own.color).abs().max_element();
     let rounded = bound(list, &colors, &camera, &method, |_| Off { depth: ROUNDING, alpha: ROUNDING });
@@ -394,7 +395,9 @@ fn gaussian_offs(points: &Points, frame: &Frame, settings: &GaussianSettings) ->
             Some(Order::Center | Order::Distance) => Order::Center,
             _ => Order::Pixel,
         };
-        for found in gaussians::possible(&frame.camera, frame.size, &gaussian, settings, order, 0..frame.size[1]) {
+        for found in
+            gaussians::possible(View::new(&frame.camera, frame.size), &gaussian, settings, order, 0..frame.size[1])
+        {
             let pixel = &mut pixels[(found.y * frame.size[0] + found.x) as usize];
             let relative = |low: f64, high: f64| (high - low) / low;
             let off =
@@ -427,8 +430,9 @@ fn gaussians_are_those_of_the_reference() {
                 let image = render(device, &points, &frame);
                 assert!(bits(&render(device, &shuffled, &frame)) == bits(&image), "{method:?}: shuffled");
                 let colors = shading::shade(&points, &frame.camera, &Shading::NONE, frame.color);
-                let wanted = approximate::render(&frame.camera, size, &points, &colors, &method).expect("one");
-                let lists = lists(&frame.camera, size, &points, &discs);
+                let wanted =
+                    approximate::render(View::new(&frame.camera, size), &points, &colors, &method).expect("one");
+                let lists = lists(View::new(&frame.camera, size), &points, &discs);
                 let offs = gaussian_offs(&points, &frame, &settings);
                 let bounds: Vec<Option<f64>> = lists
                     .iter()

@@ -8,6 +8,7 @@ use pellucid_core::cloud::gaussians::{Gaussians, REACH};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
+use pellucid_reference::View;
 use pellucid_reference::abuffer::Fragment;
 use pellucid_reference::gaussians::{self, Possible};
 use pellucid_reference::range::ROUNDING;
@@ -63,7 +64,7 @@ fn alone(points: &Points, index: usize) -> Points {
 fn assert_possible(image: &Image, points: &Points, frame: &Frame, settings: &GaussianSettings) -> usize {
     let gaussian = gaussians::gaussian(points, 0).expect("a Gaussian");
     let order = settings.order.unwrap_or(Order::Pixel);
-    let all = gaussians::possible(&frame.camera, frame.size, &gaussian, settings, order, 0..frame.size[1]);
+    let all = gaussians::possible(View::new(&frame.camera, frame.size), &gaussian, settings, order, 0..frame.size[1]);
     let mut left: Vec<Option<Possible>> = vec![None; image.rgba.len()];
     for pixel in &all {
         left[(pixel.y * frame.size[0] + pixel.x) as usize] = Some(*pixel);
@@ -162,7 +163,9 @@ fn clear_lists(points: &Points, frame: &Frame, settings: &GaussianSettings) -> V
     let order = settings.order.unwrap_or(Order::Pixel);
     for index in 0..points.len() {
         let gaussian = gaussians::gaussian(points, index).expect("a Gaussian");
-        for pixel in gaussians::possible(&frame.camera, frame.size, &gaussian, settings, order, 0..frame.size[1]) {
+        for pixel in
+            gaussians::possible(View::new(&frame.camera, frame.size), &gaussian, settings, order, 0..frame.size[1])
+        {
             lists[(pixel.y * frame.size[0] + pixel.x) as usize].push((pixel, index));
         }
     }
@@ -213,7 +216,7 @@ fn soups_are_those_of_the_reference() {
                         let frame = Frame { color, ..frame(camera, size, Method::ABuffer(discs)) };
                         let image = render(device, &points, &frame);
                         let colors = shaded(&points, &frame);
-                        let wanted = reference::abuffer::render(&camera, size, &points, &colors, &discs);
+                        let wanted = reference::abuffer::render(View::new(&camera, size), &points, &colors, &discs);
                         let clear = clear_pixels(&points, &frame, &discs.gaussians, &colors);
                         assert_like(&image, &wanted, &clear);
                         let known = clear.iter().filter(|bound| bound.is_some()).count();
@@ -395,8 +398,8 @@ fn approximations_are_those_of_the_reference() {
                 let frame = encoded(perspective(), size, method);
                 let image = render(device, &points, &frame);
                 let colors = shaded(&points, &frame);
-                let wanted =
-                    reference::approximate::render(&frame.camera, size, &points, &colors, &method).expect("one");
+                let wanted = reference::approximate::render(View::new(&frame.camera, size), &points, &colors, &method)
+                    .expect("one");
                 // Sums that are divided: their errors are those of opacities over the sum of these, which is at least
                 // one opacity.
                 let clear: Vec<_> = clear_pixels(&points, &frame, &discs.gaussians, &colors)
@@ -490,7 +493,7 @@ fn discs_and_gaussians_share_their_lists() {
                 let frame = frame(perspective(), size, Method::ABuffer(settings));
                 let image = render(device, &mixed, &frame);
                 let colors = shaded(&mixed, &frame);
-                let wanted = reference::abuffer::render(&frame.camera, size, &mixed, &colors, &settings);
+                let wanted = reference::abuffer::render(View::new(&frame.camera, size), &mixed, &colors, &settings);
                 let (_, share) = difference(&image, &wanted, 1e-3);
                 // Rims of discs, borders of Gaussians and orders that roundings decide.
                 assert!(share < 0.02, "{shape:?} {order:?}: {share}");

@@ -10,6 +10,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_reference as reference;
+use pellucid_reference::View;
 use pellucid_reference::range::{PictureRange, ROUNDING};
 use pellucid_scene::prepare;
 use pellucid_scene::{
@@ -52,7 +53,7 @@ const COLOR_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 
 fn reference_of(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSpace) -> PictureRange {
     let colors = reference::shading::shade(points, camera, &frame.shading, frame.color);
-    reference::image_space::ranges(camera, frame.size, points, &colors, filters)
+    reference::image_space::ranges(View::new(camera, frame.size), points, &colors, filters)
 }
 
 #[test]

@@ -5,6 +5,7 @@ use glam::Vec3;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_reference as reference;
+use pellucid_reference::View;
 use pellucid_scene::{DiscShape, Discs, LongLists, Method};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
@@ -21,7 +22,7 @@ fn gathered_lists_are_the_references_exactly() {
         for discs in all_discs() {
             let camera = perspective();
             let points = scene(&safe(&mixed, &camera, size, discs.shape));
-            let wanted = reference::abuffer::lists(&camera, size, &points, &discs);
+            let wanted = reference::abuffer::lists(View::new(&camera, size), &points, &discs);
             let mut renderer = Renderer::new(device).expect("a renderer");
             let mut cloud = renderer.upload(&points).expect("fits");
             let frame = frame(camera, size, Method::LinkedList(discs));

@@ -7,6 +7,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Rendered, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::coverage::Shape;
 use pellucid_reference::range::{PictureRange, ROUNDING};
 use pellucid_reference::{self as reference, one_layer, splats};
@@ -56,7 +57,7 @@ fn compare(
     of: &OneLayer,
     slack: f64,
 ) -> Result<(), String> {
-    let wanted = one_layer::ranges(camera, [image.width, image.height], points, colors, of);
+    let wanted = one_layer::ranges(View::new(camera, [image.width, image.height]), points, colors, of);
     let is_off = |pixel: &usize| !wanted.rgba[*pixel][3].covers(f64::from(image.rgba[*pixel][3]), 0.0);
     match (0..image.rgba.len()).find(is_off) {
         None => compare_ranges(image, &wanted, slack),
@@ -159,7 +160,7 @@ fn rendered(device: &Device, points: &Points, method: Method) -> Rendered {
 fn solid_ranges(points: &Points, tilted: bool, settings: &BlendedSplats) -> PictureRange {
     let shape = if tilted { Shape::Oriented } else { Shape::Disc };
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
-    splats::ranges(&perspective(), [90, 70], points, &colors, shape, settings)
+    splats::ranges(View::new(&perspective(), [90, 70]), points, &colors, shape, settings)
 }
 
 fn times(rendered: &Rendered, name: &str) -> usize {

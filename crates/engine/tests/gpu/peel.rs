@@ -5,6 +5,7 @@ use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_reference as reference;
+use pellucid_reference::View;
 use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Peel, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
@@ -43,14 +44,15 @@ fn layers_equal_the_reference_to_3e_5() {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
                 assert!(points.len() > 800, "most points are safe: {}", points.len());
                 let rendered = render_both(device, &points, &frame(camera, size, peel(discs, layers)));
-                let wanted = reference::peel::render(&camera, size, &points, &colors(&points), &discs, layers);
+                let wanted =
+                    reference::peel::render(View::new(&camera, size), &points, &colors(&points), &discs, layers);
                 let (largest, _) = difference(&rendered.image, &wanted, 0.0);
                 // As for abuffer: fragments of one pixel nearer than float32 can tell are as good as absent here.
                 assert!(largest < 3e-5, "{discs:?}, {layers} layers: {largest}");
                 // Nothing is opaque, so that every layer counts.
                 assert_eq!(rendered.image.layers.as_deref(), Some(&wanted.counts[..]), "{discs:?}");
                 assert_eq!(rendered.facts.layers, wanted.counts.iter().copied().max().unwrap_or(0));
-                let lists = reference::abuffer::lists(&camera, size, &points, &discs);
+                let lists = reference::abuffer::lists(View::new(&camera, size), &points, &discs);
                 let lengths: Vec<u32> = lists.iter().map(|list| list.len() as u32).collect();
                 assert_eq!(rendered.image.fragments.as_deref(), Some(&lengths[..]), "{discs:?}");
                 for (found, wanted) in rendered.image.depth.iter().zip(&wanted.depth) {
@@ -69,8 +71,9 @@ fn the_comparison_notices_a_missing_layer() {
         let (camera, size) = (perspective(), [64, 64]);
         let points = scene(&soup(14, 300, 0.05..0.2, 0.2..0.8, false));
         let image = render_both(device, &points, &frame(camera, size, peel(Discs::default(), 4))).image;
-        let wanted =
-            |layers| reference::peel::render(&camera, size, &points, &colors(&points), &Discs::default(), layers);
+        let wanted = |layers| {
+            reference::peel::render(View::new(&camera, size), &points, &colors(&points), &Discs::default(), layers)
+        };
         assert!(difference(&image, &wanted(3), 0.0).0 > 1e-2);
         assert!(difference(&image, &wanted(5), 0.0).0 > 1e-2);
         assert_ne!(image.layers, Some(wanted(3).counts));
@@ -146,8 +149,7 @@ fn stacks_over_many_batches_equal_the_reference() {
                 assert_eq!((rendered.facts.layers, rendered.image.layers), (count, Some(vec![count])));
                 let frame = pixel(all_layers());
                 let exact = reference::peel::render(
-                    &frame.camera,
-                    frame.size,
+                    View::new(&frame.camera, frame.size),
                     &points,
                     &colors(&points),
                     &Discs::default(),

@@ -9,6 +9,7 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_reference as reference;
+use pellucid_reference::View;
 use pellucid_reference::range::{PictureRange, ROUNDING};
 use pellucid_scene::{
     self as scene, ColorSpace, ImageSpace, Method, Overrides, PeelLayers, Scene, Shading, ShadingModel, procedural,
@@ -42,7 +43,7 @@ const COLOR_ERROR: f64 = (50.0 * 12.92 + 9.0 * 4.0) * ROUNDING;
 
 fn reference_of(points: &Points, frame: &Frame, settings: &PeelLayers) -> PictureRange {
     let colors = reference::shading::shade(points, &frame.camera, &frame.shading, frame.color);
-    reference::peel_layers::ranges(&frame.camera, frame.size, points, &colors, settings)
+    reference::peel_layers::ranges(View::new(&frame.camera, frame.size), points, &colors, settings)
 }
 
 /// Compares images, like [`compare_ranges`], and the counts of layers too.

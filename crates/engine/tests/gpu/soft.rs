@@ -7,6 +7,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::shading::shade;
 use pellucid_reference::soft::{self, Behind, Model};
 use pellucid_scene::prepare::order;
@@ -411,7 +412,7 @@ fn the_papers_layout_is_what_its_reference_says() {
                 let soft = Soft { layout, ..settings(softness) };
                 let model = Model::new(SoftMethod::Base(soft), &scene);
                 let scene =
-                    soft::Scene { camera: &frame.camera, size: frame.size, points: &scene, colors: &colors, model };
+                    soft::Scene { view: View::new(&frame.camera, frame.size), points: &scene, colors: &colors, model };
                 scene.render(|_| Behind::NOTHING)
             };
             let off = |layout| {

@@ -8,6 +8,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::coverage::{Shape, margin_px};
 use pellucid_reference::soft::{Behind, Model, Ray, Scene};
 use pellucid_reference::{ReferencePicture, splats};
@@ -117,7 +118,7 @@ impl Case {
         let (camera, size) = (&self.camera, self.size);
         let solids = self.solids();
         let behind = |pixel| solids.as_ref().map_or(Behind::NOTHING, |solids| Behind::from_picture(solids, pixel));
-        Scene { camera, size, points, colors: &colors, model }.render(behind)
+        Scene { view: View::new(camera, size), points, colors: &colors, model }.render(behind)
     }
 
     /// The picture of the solid points, if there are any; no pixel's center is near the rim of one.
@@ -125,8 +126,9 @@ impl Case {
         let solid: Vec<usize> = (0..self.points.len()).filter(|i| self.points.fields[*i] == 0.0).collect();
         let settings = BlendedSplats::default();
         for i in &solid {
-            let splat = splats::splat(&self.camera, self.size, &self.points, *i, Shape::Disc, &settings.splats);
-            assert!(margin_px(&self.camera, self.size, &splat) > 1e-3, "{}: solid point {i}", self.name);
+            let splat =
+                splats::splat(View::new(&self.camera, self.size), &self.points, *i, Shape::Disc, &settings.splats);
+            assert!(margin_px(View::new(&self.camera, self.size), &splat) > 1e-3, "{}: solid point {i}", self.name);
         }
         let colors: Vec<DVec3> = solid.iter().map(|i| self.points.colors[*i].as_dvec3()).collect();
         let points = Points {
@@ -134,7 +136,7 @@ impl Case {
             radii: solid.iter().map(|i| self.points.radii[*i]).collect(),
             ..Points::default()
         };
-        let render = || splats::render(&self.camera, self.size, &points, &colors, Shape::Disc, &settings);
+        let render = || splats::render(View::new(&self.camera, self.size), &points, &colors, Shape::Disc, &settings);
         (!solid.is_empty()).then(render)
     }
 
@@ -150,7 +152,7 @@ impl Case {
     fn doubtful(&self) -> Vec<bool> {
         let centers: Vec<DVec3> = self.points.positions.iter().map(|p| self.camera.to_view(*p)).collect();
         let at = |pixel: u32| {
-            let ray = Ray::new(&self.camera, self.size, [pixel % self.size[0], pixel / self.size[0]]);
+            let ray = Ray::new(View::new(&self.camera, self.size), [pixel % self.size[0], pixel / self.size[0]]);
             let soft = (0..centers.len()).filter(|i| self.points.fields[*i] > 0.0);
             soft.map(|i| (centers[i], self.points.radii[i])).any(|(center, radius)| {
                 let distance = (center - ray.origin).cross(ray.direction).length();
@@ -236,7 +238,7 @@ fn one_on_each_ray(camera: &Camera, size: [u32; 2], depths: std::ops::Range<f64>
     let mut r = random(17);
     let count = size[0] * size[1];
     let sphere = |pixel: u32| {
-        let ray = Ray::new(camera, size, [pixel % size[0], pixel / size[0]]);
+        let ray = Ray::new(View::new(camera, size), [pixel % size[0], pixel / size[0]]);
         let place = f64::from(pixel) / f64::from(count - 1);
         // Evenly from 0 to 0.9, then by powers of ten to 1 − 10⁻⁶.
         let rho = if place < 0.5 { 1.8 * place } else { 1.0 - 10f64.powf(-1.0 - 10.0 * (place - 0.5)) };

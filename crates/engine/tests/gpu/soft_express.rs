@@ -8,6 +8,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::soft::{Behind, Model, Scene};
 use pellucid_reference::{self as reference, ReferencePicture, coverage};
 use pellucid_scene::prepare::axes::Axis;
@@ -99,7 +100,7 @@ fn composed(
 fn along_axis(points: &Points, frame: &Frame) -> ReferencePicture {
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
     let model = Model::new(frame.method.as_soft().expect("a soft method"), points);
-    Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
+    Scene { view: View::new(&frame.camera, frame.size), points, colors: &colors, model }.render(|_| Behind::NOTHING)
 }
 
 /// The picture in order of depth.
@@ -208,7 +209,7 @@ fn discs_are_counted_where_they_cover_pixels() {
             let size = [72, 56];
             let all = with_field(&mixed, 1.0);
             let flat = |i: usize| reference::abuffer::splat(&all, i, DiscShape::Flat);
-            let clear = |i: &usize| coverage::margin_px(&camera, size, &flat(*i)) > 0.02;
+            let clear = |i: &usize| coverage::margin_px(View::new(&camera, size), &flat(*i)) > 0.02;
             let kept: Vec<P> = (0..all.len())
                 .filter(clear)
                 .map(|i| {

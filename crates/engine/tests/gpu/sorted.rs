@@ -10,6 +10,7 @@ use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer, Stop};
 use pellucid_gpu::Device;
 use pellucid_reference as reference;
+use pellucid_reference::View;
 use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -27,7 +28,7 @@ fn flat() -> Method {
 }
 
 fn reference(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> reference::ReferencePicture {
-    reference::sorted::render(camera, size, points, &colors(points), discs)
+    reference::sorted::render(View::new(camera, size), points, &colors(points), discs)
 }
 
 /// The frame by `abuffer`.
@@ -284,7 +285,8 @@ fn crossing_discs_are_off_by_what_their_order_makes() {
             let frame = frame(camera, size, Method::Sorted(discs));
             let (sorted, exact) = (render(device, &points, &frame), render(device, &points, &by_abuffer(&frame)));
             let own = reference(&points, &camera, size, &discs);
-            let exact_reference = reference::abuffer::render(&camera, size, &points, &colors(&points), &discs);
+            let exact_reference =
+                reference::abuffer::render(View::new(&camera, size), &points, &colors(&points), &discs);
             let (to_own, _) = difference(&sorted, &own, 0.0);
             let (off, share) = difference(&sorted, &exact_reference, 0.01);
             let (by_abuffer, _) = difference(&exact, &exact_reference, 0.0);

@@ -11,6 +11,7 @@ use pellucid_engine::methods::spbr::Form;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan::plan;
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::range::ROUNDING;
 use pellucid_reference::spbr::{self as reference, Ranges};
 use pellucid_scene::prepare::Arranged;
@@ -261,12 +262,12 @@ fn images_are_those_of_the_reference() {
             ] {
                 let frame = Frame { seed: 11, ..frame(camera, SIZE, method) };
                 let image = render_on(&mut renderer, &list, &frame).image;
-                let wanted = reference::ranges(&camera, SIZE, &list, &colors, &rule, 11);
+                let wanted = reference::ranges(View::new(&camera, SIZE), &list, &colors, &rule, 11);
                 let compared = compare(&image, &wanted);
                 assert!(compared.is_ok(), "{method:?}, {distance}, {perspective}: {compared:?}");
                 // The comparison can fail: an ensemble more, and in one pixel a part of an ensemble's color less.
                 let rule = reference::Rule { ensembles: rule.ensembles + 1, ..rule };
-                let other = reference::ranges(&camera, SIZE, &list, &colors, &rule, 11);
+                let other = reference::ranges(View::new(&camera, SIZE), &list, &colors, &rule, 11);
                 compare(&image, &other).expect_err("another number of ensembles");
                 let pixel = (0..image.rgba.len()).find(|pixel| image.rgba[*pixel][1] > 0.1).expect("something green");
                 let mut changed = image.clone();

@@ -6,6 +6,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::{self as reference, coverage::Shape};
 use pellucid_scene::{Interpolated, Method, Raster, ScreenSplats, SplatShape};
 use pellucid_testing::*;
@@ -69,8 +70,7 @@ fn equal_the_reference_where_coverage_is_safe() {
                 let clear: Vec<usize> = (0..all.len())
                     .filter(|i| {
                         reference::coverage::margin_px(
-                            &camera,
-                            size,
+                            View::new(&camera, size),
                             &reference::opaque::splat(&all, *i, shape, &settings),
                         ) > 0.02
                     })
@@ -85,8 +85,14 @@ fn equal_the_reference_where_coverage_is_safe() {
                 assert!(points.len() > 1000);
                 let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
                 let image = render_both(device, &points, &frame(camera, size, method));
-                let wanted =
-                    reference::opaque::render(&camera, size, &points, &colors, shape, &settings, method.relief());
+                let wanted = reference::opaque::render(
+                    View::new(&camera, size),
+                    &points,
+                    &colors,
+                    shape,
+                    &settings,
+                    method.relief(),
+                );
                 let (largest, over) = difference(&image, &wanted, 1e-6);
                 assert!(over == 0.0, "{method:?}: {largest}, {over} of the pixels");
                 for (found, wanted) in image.depth.iter().zip(&wanted.depth) {

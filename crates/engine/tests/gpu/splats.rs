@@ -6,6 +6,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Factors, Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::coverage::Shape;
 use pellucid_reference::range::{PictureRange, ROUNDING};
 use pellucid_reference::{self as reference, splats};
@@ -39,7 +40,7 @@ const SHADING_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 
 /// Everything that roundings may make of an image.
 fn ranges(points: &Points, frame: &Frame, shape: Shape, settings: &BlendedSplats) -> PictureRange {
-    splats::ranges(&frame.camera, frame.size, points, &colors(points), shape, settings)
+    splats::ranges(View::new(&frame.camera, frame.size), points, &colors(points), shape, settings)
 }
 
 /// Compares an image with them; A is 0 or 1 to the bit.
@@ -109,7 +110,7 @@ fn shaded_and_encoded_colors_are_blended_and_radii_follow_the_factor() {
             frame.shading = Shading { model: ShadingModel::Phong, specular: 0.4, ..Shading::default() };
             frame.color = ColorSpace::Encoded;
             let colors = reference::shading::shade(&points, &camera, &frame.shading, frame.color);
-            let wanted = splats::ranges(&camera, size, &points, &colors, shape, &settings);
+            let wanted = splats::ranges(View::new(&camera, size), &points, &colors, shape, &settings);
             let image = render(device, &points, &frame);
             compare(&image, &wanted, SUM_ERROR + SHADING_ERROR).expect("the reference");
             // Half the uploaded radii, doubled; powers of two round the same.

@@ -9,6 +9,7 @@ use pellucid_core::random::{mask, word};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::abuffer::{Fragment, depth_margin, lists};
 use pellucid_reference::stochastic::render_with;
 use pellucid_reference::{self as reference, ReferencePicture};
@@ -75,7 +76,7 @@ fn every_sample_is_covered_as_the_host_says() {
             dots.push(dot(x, y, 2.0, Vec3::ONE, 1.0));
         }
         let points = scene(&dots);
-        let lists = lists(&pixel_camera(size), size, &points, &Discs::default());
+        let lists = lists(View::new(&pixel_camera(size), size), &points, &Discs::default());
         let ids = points.ids(&points.anchor(), 0..points.len());
         let mut stage = Stage::new(device, &points, pixel_camera(size), size);
         for samples in [1, 2, 3, 4, 5, 6, 7, 8, 13, 16, 17, 30, 31, 32, 33, 34, 61, 64] {
@@ -176,7 +177,7 @@ fn images_equal_the_reference_with_the_same_masks() {
             {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
                 let ids = points.ids(&points.anchor(), 0..points.len());
-                let lists = lists(&camera, size, &points, &discs);
+                let lists = lists(View::new(&camera, size), &points, &discs);
                 let mut stage = Stage::new(device, &points, camera, size);
                 for samples in [1, 3, 4, 6, 8, 64] {
                     for alpha_correction in [false, true] {
@@ -184,7 +185,13 @@ fn images_equal_the_reference_with_the_same_masks() {
                         let seed = u64::from(samples) + 5;
                         let image = stage.image(settings, seed);
                         let wanted = |seed: u64| {
-                            reference::stochastic::render(&camera, size, &points, &colors(&points), &settings, seed)
+                            reference::stochastic::render(
+                                View::new(&camera, size),
+                                &points,
+                                &colors(&points),
+                                &settings,
+                                seed,
+                            )
                         };
                         let clear = compare(&image, &wanted(seed), (&lists, &ids), &settings, seed);
                         assert!(clear.clone().is_ok_and(|share| share > 0.8), "{settings:?}: {clear:?}");
@@ -218,12 +225,13 @@ fn coincident_splats_are_ordered_by_their_index() {
         let (camera, size) = (pixel_camera([16, 16]), [16, 16]);
         let points = scene(&coincident(12));
         let ids = points.ids(&points.anchor(), 0..points.len());
-        let lists = lists(&camera, size, &points, &Discs::default());
+        let lists = lists(View::new(&camera, size), &points, &Discs::default());
         assert!(lists.iter().any(|list| list.len() == 12));
         let mut stage = Stage::new(device, &points, camera, size);
         for settings in [plain(6), plain(64), corrected(6), corrected(64)] {
             let image = stage.image(settings, 3);
-            let wanted = reference::stochastic::render(&camera, size, &points, &colors(&points), &settings, 3);
+            let wanted =
+                reference::stochastic::render(View::new(&camera, size), &points, &colors(&points), &settings, 3);
             assert_eq!(compare(&image, &wanted, (&lists, &ids), &settings, 3), Ok(1.0), "{settings:?}");
         }
     });
@@ -324,7 +332,7 @@ fn without_correction_means_over_seeds_are_exact_and_correlated_masks_are_not() 
             let colors = colors(&points);
             let correlated = moments(|seed| {
                 let words = |pixel, _, p| word(seed, pixel, 0, p);
-                render_with(&camera, SMALL, &points, &colors, &settings, words).0.rgba
+                render_with(View::new(&camera, SMALL), &points, &colors, &settings, words).0.rgba
             });
             assert!(unbiased(&correlated, &exact).is_err(), "{name}: correlated masks pass");
         }

@@ -6,6 +6,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::{self as reference, ReferencePicture};
 use pellucid_scene::{DiscShape, Discs, Falloff, Method, Raster, Stochastic};
 use pellucid_testing::*;
@@ -37,7 +38,7 @@ fn sampled(
     seed: u64,
 ) -> (ReferencePicture, Vec<DVec3>) {
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
-    reference::stochastic::render(camera, size, points, &colors, settings, seed)
+    reference::stochastic::render(View::new(camera, size), points, &colors, settings, seed)
 }
 
 fn longest(image: &Image) -> u32 {

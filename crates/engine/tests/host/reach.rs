@@ -4,6 +4,7 @@ use glam::DVec3;
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
 use pellucid_engine::passes::project::{Beam, PointExtent};
+use pellucid_reference::View;
 use pellucid_reference::gaussians::{footprint, gaussian};
 use pellucid_scene::supply::Block;
 use pellucid_scene::{GaussianSettings, Kernel, Order};
@@ -30,7 +31,7 @@ fn every_gaussian_with_a_fragment_in_a_window_is_taken() {
                 let beam = Beam::new(&camera, size, window, extent);
                 for (i, position) in points.positions.iter().enumerate() {
                     let of = gaussian(&points, i).expect("a Gaussian");
-                    let hits = footprint(&camera, size, &of, &settings, Order::Center);
+                    let hits = footprint(View::new(&camera, size), &of, &settings, Order::Center);
                     let is_in =
                         |x: u32, y: u32| (window[0]..window[2]).contains(&x) && (window[1]..window[3]).contains(&y);
                     let shows = hits.iter().any(|hit| is_in(hit.x, hit.y));

@@ -1,10 +1,8 @@
 //! Approximations of transparency: the parts that each of them computes exactly.
 
-use super::discs::{SATURATED, reversed, roundings, ties};
-use super::lists::{approximations, exact};
+use super::discs::{SATURATED, reversed, ties};
 use super::naive::{half, over_until, weighted};
 use super::prelude::*;
-use super::stage::{COMPENSATED, fragments};
 use pellucid_reference::approximate;
 
 /// Color that has no exact float32.
@@ -50,8 +48,7 @@ fn equal_colors(stage: &mut CaseRenderer, method: Method) -> CaseResult {
 fn weighted_equal(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(10_000, COLOR, 1e-4);
     let wanted = times(COLOR, composed(&dots)[3]);
-    let found = stage.pixel(&dots, method)?;
-    Ok(Finding::apart(&found, &over(&dots), &wanted, COMPENSATED))
+    stage.compare(&dots, method, &over(&dots), &wanted, COMPENSATED)
 }
 
 fn at_far(stage: &mut CaseRenderer, method: Method) -> CaseResult {
@@ -66,25 +63,22 @@ fn at_far(stage: &mut CaseRenderer, method: Method) -> CaseResult {
 
 fn large_sums(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(200, COLOR, 0.5);
-    let found = stage.pixel(&dots, method)?;
     // Sums of 300 000 are infinite in 16 bits, and their quotient is no number.
-    Ok(Finding::apart(&found, &weighted(&dots, [0.5, 1e7], half), &times(COLOR, 1.0), COMPENSATED))
+    stage.compare(&dots, method, &weighted(&dots, [0.5, 1e7], half), &times(COLOR, 1.0), COMPENSATED)
 }
 
 fn file_order(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = [dot(2.0, Vec3::X, 0.5), dot(9.0, Vec3::Y, 0.5), dot(5.0, Vec3::Z, 0.5)];
-    let found = stage.pixel(&dots, method)?;
     let wanted = [0.125, 0.25, 0.5, 0.875];
     // Powers of two, exact.
     let by_depth = composed(&[dots[0], dots[2], dots[1]]).map(|c| c as f32);
-    Ok(Finding::apart(&found, &by_depth, &wanted, 0.0))
+    stage.compare(&dots, method, &by_depth, &wanted, 0.0)
 }
 
 fn faint(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = layers(100_000, Vec3::ONE, 1e-7);
     let wanted = composed(&dots);
-    let found = stage.pixel(&dots, method)?;
-    Ok(Finding::apart(&found, &over(&dots), &wanted, COMPENSATED * wanted[3]))
+    stage.compare(&dots, method, &over(&dots), &wanted, COMPENSATED * wanted[3])
 }
 
 fn as_many_as_k(stage: &mut CaseRenderer, method: Method) -> CaseResult {
@@ -92,12 +86,11 @@ fn as_many_as_k(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let wanted = composed(&dots);
     let mut shuffled = dots.clone();
     shuffled.rotate_left(3);
-    let found = stage.pixel(&shuffled, method)?;
     let (list, colors) = fragments(&dots);
     let mixed = approximate::hybrid(&list, &colors, 1, 0.0);
     let mixed = mixed.color.extend(mixed.alpha).to_array().map(|c| c as f32);
     // Four roundings for each of 8.
-    Ok(Finding::apart(&found, &mixed, &wanted, 32.0 * HALF_ULP))
+    stage.compare(&shuffled, method, &mixed, &wanted, 32.0 * HALF_ULP)
 }
 
 fn behind_one(stage: &mut CaseRenderer, method: Method) -> CaseResult {

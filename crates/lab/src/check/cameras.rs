@@ -1,10 +1,7 @@
 //! Cameras at their limits: angles, ranges of depth, points behind the eye.
 
-use super::discs::roundings;
-use super::lists::{exact, except, of_families, with_peel, with_samples};
 use super::naive::is_between;
 use super::prelude::*;
-use super::stage::{colors_of, mixed, pixels_apart};
 use pellucid_reference::{abuffer, coverage};
 use pellucid_scene::{DiscShape, Family};
 
@@ -64,12 +61,13 @@ fn against_float64(
 ) -> CaseResult {
     let size = [48, 36];
     let discs = method.discs().copied().unwrap_or_default();
-    let margin = |dot: &Dot| coverage::margin_px(&camera, size, &abuffer::splat(&cloud(&[*dot]), 0, discs.shape));
+    let margin =
+        |dot: &Dot| coverage::margin_px(View::new(&camera, size), &abuffer::splat(&cloud(&[*dot]), 0, discs.shape));
     let clear = |dot: &&Dot| margin(dot) > 0.02;
     let dots: Vec<Dot> = dots.iter().filter(clear).copied().collect();
     let render = |dots: &[Dot]| {
         let points = cloud(dots);
-        abuffer::render(&camera, size, &points, &colors_of(&points), &discs)
+        abuffer::render(View::new(&camera, size), &points, &colors_of(&points), &discs)
     };
     let wanted = render(&dots);
     let longest = wanted.counts.iter().copied().max().unwrap_or_default() as usize;

@@ -1,8 +1,6 @@
 //! `[[clip]]`: no method draws what is cut off, and borders are kept.
 
-use super::lists::with_samples;
 use super::prelude::*;
-use super::stage::in_cube;
 use pellucid_core::cloud::Cloud;
 use pellucid_scene::{self as scene, Scene, Setting};
 
@@ -38,7 +36,7 @@ fn picture(stage: &mut CaseRenderer, clip: &str, method: Method) -> Result<Image
     let scene = Scene { method: method.into(), ..scene_of(&format!("field = \"soft\"\n{clip}"))? };
     let arranged = scene::arrange(&scene, vec![cloud()], 1, &Progress::hidden())?;
     let camera = perspective(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, 45.0, 0.125, 128.0);
-    Ok(stage.arranged(&arranged, &frame(camera, [40, 30], method))?)
+    Ok(stage.arranged(&arranged, &Frame::new(camera, [40, 30], method))?)
 }
 
 /// The largest value of a channel; infinite for NaN.

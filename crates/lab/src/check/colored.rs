@@ -1,7 +1,6 @@
 //! Colors that stand for values, and opacities of classes: constant values, values that are not finite, far
 //! coordinates.
 
-use super::lists::exact;
 use super::prelude::*;
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_scene::{self as scene, Scene};
@@ -46,7 +45,7 @@ fn picture(stage: &mut CaseRenderer, cloud: Cloud, keys: &str) -> Result<Vec<[f3
     let scene = Scene::from_toml(&text, "check".as_ref())?;
     let size = [cloud.len() as u32, 1];
     let points = scene::assemble(&scene, vec![cloud], false, &Progress::hidden())?;
-    Ok(stage.render(&points, &frame(pixels(size), size, Method::Points))?.image.rgba)
+    Ok(stage.render(&points, &Frame::new(pixels(size), size, Method::Points))?.image.rgba)
 }
 
 fn colors_apart(found: &[[f32; 4]], wanted: &[[f64; 3]]) -> f64 {
@@ -97,7 +96,7 @@ fn far(stage: &mut CaseRenderer) -> CaseResult {
     let points = scene::assemble(&scene, vec![cloud], false, &Progress::hidden())?;
     let camera = pixels([5, 1]);
     let camera = Camera { eye: camera.eye + DVec3::Z * (high + 8.0), ..camera };
-    let found = stage.render(&points, &frame(camera, [5, 1], Method::Points))?.image.rgba;
+    let found = stage.render(&points, &Frame::new(camera, [5, 1], Method::Points))?.image.rgba;
     // Float32 knows halves there: 0 / 0.
     let t = |z: f64| (z as f32 - low as f32) / (high as f32 - low as f32);
     let [first, second, third] = QUARTERS;
@@ -132,7 +131,7 @@ fn classes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     };
     let scene = Scene::from_toml(text, "check".as_ref())?;
     let points = scene::assemble(&scene, vec![cloud], true, &Progress::hidden())?;
-    let found = stage.render(&points, &frame(pixels([1, 1]), [1, 1], method))?.image.rgba[0];
+    let found = stage.render(&points, &Frame::new(pixels([1, 1]), [1, 1], method))?.image.rgba[0];
     let (blue, green, red) = (Vec3::Z, Vec3::Y, Vec3::X);
     let stack = [(blue, 0.5), (blue, 0.25), (green, 0.03125), (red, 0.03125), (red, 0.5)];
     let dots = |stack: &[(Vec3, f32)]| -> Vec<_> {

@@ -1,14 +1,9 @@
 //! Memory: images that a budget cuts into regions and batches of fragments, and fragments beyond what one binding can
 //! hold.
 
-use glam::{DVec3, Vec3};
-
-use super::discs::roundings;
-use super::lists::{except, of_families, tilted, with_samples, with_soft};
-use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, frame, graded, mixed, pixels};
-use super::{Case, CaseRenderer, CaseResult, Finding, Lack, Verdict, each, joined, naive};
-use pellucid_engine::methods::Frame;
-use pellucid_scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
+use super::prelude::*;
+use super::{Lack, Verdict};
+use pellucid_scene::{Density, DiscShape, Family, LongLists, Shells, Soft};
 
 pub(super) fn cases() -> Vec<Case> {
     let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };
@@ -49,7 +44,7 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
 fn budget(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [48, 32];
     // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
-    let whole = frame(pixels(size), size, method);
+    let whole = Frame::new(pixels(size), size, method);
     let tiled = whole.counts_on_demand() && !matches!(method, Method::Stochastic(_));
     let dots = if tiled { crowd(2500, 60.0) } else { crowd(600, 6.0) };
     let points = cloud(&dots);
@@ -81,7 +76,7 @@ fn in_place_bytes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut by_depth = dots.clone();
     by_depth.sort_by(|a, b| b.position.z.total_cmp(&a.position.z));
     let pixels = (size[0] * size[1]) as usize;
-    let naive = naive::bytes_apart(&vec![naive::over(&dots); pixels], &vec![naive::over(&by_depth); pixels]);
+    let naive = bytes_between(&vec![over(&dots); pixels], &vec![over(&by_depth); pixels]);
     Ok(Finding::new(bytes_apart(&merged, &sorted), 0.0, naive))
 }
 
@@ -110,7 +105,7 @@ fn fragments_beyond(stage: &mut CaseRenderer, method: Method, side: u32) -> Case
     };
     let dots: Vec<Dot> = (0..LAYERS).map(layer).collect();
     let wanted = composed(&dots);
-    let found = stage.render(&cloud(&dots), &frame(pixels(size), size, method))?;
+    let found = stage.render(&cloud(&dots), &Frame::new(pixels(size), size, method))?;
     let error = found.image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
     let error = if found.facts.bands > 1 { error } else { f64::INFINITY };
     let why = "what is written beyond the end of a binding is gone, and whole pixels with it";

@@ -1,6 +1,5 @@
 //! Transparent discs: composition of many, of few, of none, in any order.
 
-use super::lists::{exact, with_peel};
 use super::naive::{gaussian, nearest, over_until};
 use super::prelude::*;
 use pellucid_scene::{DiscShape, Falloff, Peel, Stochastic};
@@ -58,10 +57,9 @@ pub(super) fn roundings(method: &Method, n: usize) -> f64 {
 fn faint(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots: Vec<Dot> = (0..100_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-7)).collect();
     let wanted = composed(&dots);
-    let found = stage.pixel(&dots, method)?;
     // Each rounding is relative to a sum that is at most the whole.
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted[3];
-    Ok(Finding::apart(&found, &over(&dots), &wanted, bound))
+    stage.compare(&dots, method, &over(&dots), &wanted, bound)
 }
 
 fn faint_a(stage: &mut CaseRenderer, method: Method) -> CaseResult {
@@ -93,10 +91,9 @@ fn layers(stage: &mut CaseRenderer, method: Method, n: u32) -> CaseResult {
 fn coincident(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dots = vec![dot(5.0, Vec3::new(0.25, 0.5, 1.0), 0.1); 300];
     let wanted = composed(&dots);
-    let found = stage.pixel(&dots, method)?;
     let bound = roundings(&method, dots.len()) * HALF_ULP;
     // A depth test that lets only what is nearer pass keeps one of them.
-    Ok(Finding::apart(&found, &over(&dots[..1]), &wanted, bound))
+    stage.compare(&dots, method, &over(&dots[..1]), &wanted, bound)
 }
 
 /// Dots at equal depth that differ in color alone.
@@ -134,7 +131,7 @@ pub(super) fn reversed(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     permuted(stage, method, |dots| dots.reverse())
 }
 
-fn extremes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
+pub(super) fn extremes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let red = Vec3::new(1.0, 0.0, 0.0);
     // Invisible points are in front, between and behind.
     let dots = [
@@ -192,7 +189,7 @@ fn no_radius(stage: &mut CaseRenderer, method: Method) -> CaseResult {
 fn edge_on(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [5, 5];
     let disc = Dot { position: at(2, 2, 3.0), radius: 2.0, normal: Vec3::X, opacity: 0.5, ..Dot::default() };
-    let image = stage.render(&cloud(&[disc]), &frame(pixels(size), size, method))?.image;
+    let image = stage.render(&cloud(&[disc]), &Frame::new(pixels(size), size, method))?.image;
     let found: Vec<f32> = image.rgba.iter().map(|c| c[3]).collect();
     let wanted: Vec<f64> = (0..25).map(|i| if i == 12 { 0.5 } else { 0.0 }).collect();
     let depth = (f64::from(image.depth[12]) - 3.0).abs();

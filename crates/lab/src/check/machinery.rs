@@ -1,7 +1,6 @@
 //! The building blocks of the methods: prefix sums and radix sorts. Integers, so exact.
 
-use super::{Case, CaseRenderer, CaseResult, Finding, one};
-use pellucid_engine::Result;
+use super::prelude::*;
 use pellucid_engine::methods::Error;
 use pellucid_engine::passes::radix::Radix;
 use pellucid_engine::passes::scan::Scan;
@@ -71,7 +70,7 @@ fn overflow(stage: &mut CaseRenderer) -> CaseResult {
             naive += usize::from((u64::from(sum) > u64::from(most)) != beyond);
         }
     }
-    Ok(Finding::new(f64::from(error as u32), 0.0, f64::from(naive as u32)))
+    Ok(Finding::counted(error, naive))
 }
 
 /// Records sorted by the lowest bits of their keys on the device.

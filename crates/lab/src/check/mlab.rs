@@ -1,19 +1,17 @@
 //! Multi-layer alpha blending: exact for as many layers as it keeps and one more, and for any number that comes in
 //! order.
 
-use super::naive;
-use super::stage::{COLORS, Dot, HALF_ULP, at, composed, dot, pixels};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined};
-use pellucid_scene::{Method, Mlab};
+use super::prelude::*;
+use pellucid_scene::Mlab;
 
 const NODES: u32 = 4;
 
 pub(super) fn cases() -> Vec<Case> {
     let mlab = [Method::Mlab(Mlab { nodes: NODES, ..Mlab::default() })];
     joined([
-        each(&mlab, "faint-from-near", from_near)
+        each(&mlab, "faint-from-near", |stage, method| faint(stage, method, false))
             .about("10 000 layers of opacity 1e-4 that come from near to far: as composed"),
-        each(&mlab, "faint-from-far", from_far)
+        each(&mlab, "faint-from-far", |stage, method| faint(stage, method, true))
             .about("10 000 layers of opacity 1e-4 that come from far to near: as composed"),
         each(&mlab, "one-more-than-nodes", any_order)
             .about("5 layers with 4 nodes, in each of 120 orders: as composed"),
@@ -32,26 +30,18 @@ fn bound(wanted: &[f64; 4]) -> f64 {
 /// of 1 at most.
 const MERGED: f64 = 8.0 * HALF_ULP;
 
-fn faint() -> Vec<Dot> {
-    (0..10_000u32).map(|i| dot(1.0 + f64::from(i), COLORS[i as usize % 5], 1e-4)).collect()
-}
-
 fn as_composed(stage: &mut CaseRenderer, method: Method, dots: &[Dot], wanted: [f64; 4]) -> CaseResult {
-    let found = stage.pixel(dots, method)?;
-    Ok(Finding::apart(&found, &naive::mlab(dots, NODES as usize), &wanted, bound(&wanted)))
+    stage.compare(dots, method, &naive::mlab(dots, NODES as usize), &wanted, bound(&wanted))
 }
 
-/// Checks fragments that arrive front to back, so that the last node is exact.
-fn from_near(stage: &mut CaseRenderer, method: Method) -> CaseResult {
-    let dots = faint();
-    as_composed(stage, method, &dots, composed(&dots))
-}
-
-/// Checks fragments that arrive back to front: the farthest nodes are merged in their order.
-fn from_far(stage: &mut CaseRenderer, method: Method) -> CaseResult {
-    let mut dots = faint();
+/// Checks fragments that arrive front to back, so that the last node is exact, or back to front: the farthest nodes are
+/// merged in their order.
+fn faint(stage: &mut CaseRenderer, method: Method, is_reversed: bool) -> CaseResult {
+    let mut dots: Vec<Dot> = (0..10_000u32).map(|i| dot(1.0 + f64::from(i), COLORS[i as usize % 5], 1e-4)).collect();
     let wanted = composed(&dots);
-    dots.reverse();
+    if is_reversed {
+        dots.reverse();
+    }
     as_composed(stage, method, &dots, wanted)
 }
 

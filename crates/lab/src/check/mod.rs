@@ -35,8 +35,6 @@ mod table;
 mod verdict;
 
 use pellucid_engine::Result;
-use pellucid_engine::methods;
-use pellucid_gpu::Device;
 use pellucid_scene::Method;
 
 pub use document::document;
@@ -120,12 +118,4 @@ impl Case {
     pub fn run(&self, stage: &mut CaseRenderer) -> Verdict {
         (self.run)(stage)
     }
-}
-
-/// A stage on a device.
-///
-/// # Errors
-/// A device that has no memory for the first buffers.
-pub fn stage(device: &Device) -> Result<CaseRenderer, methods::Error> {
-    CaseRenderer::new(device)
 }

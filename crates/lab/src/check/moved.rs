@@ -1,9 +1,7 @@
 //! Georeferenced coordinates: a scene and its camera at 500 km east and 4500 km north give the same bytes as at the
 //! origin. Positions lie on a grid of 1/1024, so that float64 moves them without rounding. And scenes in other units.
 
-use super::lists::{except, of_families, with_samples, with_soft};
 use super::prelude::*;
-use super::stage::{in_cube, mixed, shifted};
 use pellucid_engine::Error;
 use pellucid_scene::{Density, DiscShape, Family, ImageSpace, PeelLayers, Shells, Soft};
 
@@ -62,15 +60,14 @@ fn camera() -> Camera {
 
 fn moved(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut render = |dots: &[Dot], camera: Camera| -> Result<Image> {
-        Ok(stage.render(&cloud(dots), &frame(camera, SIZE, method))?.image)
+        Ok(stage.render(&cloud(dots), &Frame::new(camera, SIZE, method))?.image)
     };
     let dots = dots();
     let here = render(&dots, camera())?;
     let (far, far_camera) = shifted(&dots, camera(), BY);
     let there = render(&far, far_camera)?;
     // Positions in float32: the same picture of what is left of them.
-    let rounded = |dot: &Dot| Dot { position: dot.position.as_vec3().as_dvec3(), ..*dot };
-    let single = render(&far.iter().map(rounded).collect::<Vec<_>>(), far_camera)?;
+    let single = render(&rounded(&far), far_camera)?;
     Ok(Finding::new(bytes_apart(&here, &there), 0.0, bytes_apart(&here, &single)))
 }
 
@@ -82,7 +79,7 @@ fn scaled(stage: &mut CaseRenderer, method: Method) -> CaseResult {
         let camera =
             Camera { eye: camera.eye * factor, near: camera.near * factor, far: camera.far * factor, ..camera };
         let method = with_distance(method, DISTANCE * factor as f32);
-        Ok(stage.render(&cloud(&dots), &frame(camera, SIZE, method))?.image.rgba)
+        Ok(stage.render(&cloud(&dots), &Frame::new(camera, SIZE, method))?.image.rgba)
     };
     let plain = render(1.0)?;
     let mut error = 0.0;

@@ -1,12 +1,9 @@
 //! Opaque splats: where they meet, which of them wins, radii at their ends.
 
-use glam::{DVec3, Vec3};
-
-use super::stage::{Dot, ULP, apart, at, bytes_apart, cloud, colors_of, pixels, pixels_apart};
-use super::{Case, CaseRenderer, CaseResult, Finding, each, joined, naive};
+use super::prelude::*;
 use pellucid_reference::coverage::Shape;
 use pellucid_reference::splats;
-use pellucid_scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
+use pellucid_scene::{BlendedSplats, Interpolated, ScreenSplats};
 
 pub(super) fn cases() -> Vec<Case> {
     let plain = ScreenSplats::default();
@@ -72,7 +69,8 @@ fn blend(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let image = stage.image(&dots, pixels(SIZE), SIZE, method)?;
     let points = cloud(&dots);
     let settings = BlendedSplats::default();
-    let wanted = splats::render(&pixels(SIZE), SIZE, &points, &colors_of(&points), Shape::Disc, &settings).rgba;
+    let wanted =
+        splats::render(View::new(&pixels(SIZE), SIZE), &points, &colors_of(&points), Shape::Disc, &settings).rgba;
     let nearest = |pixel: &[f64; 4]| pixel.map(|c| c.round() as f32);
     let naive: Vec<[f32; 4]> = wanted.iter().map(nearest).collect();
     // exp(-2 ρ²): 4 roundings of ρ², 4 ρ times, at most 16 units; the exponential one; twice, and a quotient of 2.5.
@@ -97,7 +95,7 @@ fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
 
 fn nearest_wins(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 0.75, ..Dot::default() };
-    let camera = pellucid_core::camera::Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
+    let camera = Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
     let dots = [dot(500_000.5, Vec3::X), dot(500_000.0, Vec3::Y), dot(500_001.0, Vec3::Z)];
     let found = stage.image(&dots, camera, [1, 1], method)?.rgba[0];
     // far (z - near) / (z (far - near)) in 24 bits, as a depth buffer has it: equal, and the first one stays.
@@ -150,10 +148,9 @@ fn limit(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     // All numbers are exact: 4 + 1 ≤ 5.
     let behind = 5.0 + f64::from(f32::EPSILON) * 4.0;
     let dots = [dot(4.0, Vec3::X), dot(5.0, Vec3::Y), dot(behind, Vec3::Z)];
-    let found = stage.pixel(&dots, method)?;
     let wanted = [0.5, 0.5, 0.0, 1.0];
     // With < the second one is lost.
-    Ok(Finding::apart(&found, &naive::blended(&dots, 1.0, 0.0), &wanted, 0.0))
+    stage.compare(&dots, method, &naive::blended(&dots, 1.0, 0.0), &wanted, 0.0)
 }
 
 fn no_blending(stage: &mut CaseRenderer, method: Method) -> CaseResult {

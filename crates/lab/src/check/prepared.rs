@@ -34,7 +34,7 @@ fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     let dot = dot(8.0, Vec3::ONE, 0.01);
     let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
     let points = scene::assemble(&scene("uniform")?, vec![cloud], true, &Progress::hidden())?;
-    let frame = frame(pixels([1, 1]), [1, 1], Method::ABuffer(Discs::default()));
+    let frame = Frame::new(pixels([1, 1]), [1, 1], Method::ABuffer(Discs::default()));
     let found = stage.render(&points, &frame)?.image.rgba[0];
     let wanted = composed(&vec![dot; 500]);
     // Four roundings for each of a run of 256, and for each run.
@@ -132,7 +132,7 @@ fn picture(stage: &mut CaseRenderer, rows: &[&str]) -> Result<Image> {
     file.write_all(ply(rows).as_bytes()).map_err(failed)?;
     let cloud = io::load(file.path(), &Progress::hidden())?;
     let points = scene::assemble(&scene("rgb")?, vec![cloud], true, &Progress::hidden())?;
-    Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
+    Ok(stage.render(&points, &Frame::new(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
 }
 
 fn not_finite(stage: &mut CaseRenderer) -> CaseResult {
@@ -168,6 +168,6 @@ fn not_finite(stage: &mut CaseRenderer) -> CaseResult {
             *pixel = over(&[dot]);
         }
     }
-    let naive = naive::bytes_apart(&blended, &wanted.rgba);
+    let naive = bytes_between(&blended, &wanted.rgba);
     Ok(Finding::new(error, 0.0, naive))
 }

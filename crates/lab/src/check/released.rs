@@ -32,11 +32,8 @@ pub fn released(name: &str) -> Option<f64> {
 pub fn released_table(results: &[(&Case, Verdict)]) -> String {
     let head = "# Errors that `pellucid check` measures on llvmpipe, in the units of the cases.\n\
                 # Written by crates/lab/tests/lab/check.rs with PELLUCID_UPDATE=1.\n";
-    let line = |(case, verdict): &(&Case, Verdict)| match verdict {
-        Verdict::Found(finding) => format!("{} {:e}\n", case.name, finding.error),
-        _ => String::new(),
-    };
-    head.to_owned() + &results.iter().map(line).collect::<String>()
+    let line = |(case, verdict): &(&Case, Verdict)| Some(format!("{} {:e}\n", case.name, verdict.finding()?.error));
+    head.to_owned() + &results.iter().filter_map(line).collect::<String>()
 }
 
 /// An error much larger than that of the last release, or one that the table doesn't know.

@@ -5,7 +5,6 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use super::prelude::*;
-use super::stage::in_cube;
 use pellucid_engine::methods::shadows::lights;
 use pellucid_scene::{Light, Shading, ShadingModel, Shadows};
 
@@ -38,7 +37,7 @@ fn hard(resolution: u32, distance: f32) -> Shadows {
 
 fn lit_frame(light: Light, shadows: Shadows, seed: u64) -> Frame {
     let shading = Shading { model: ShadingModel::Lambert, ambient: 0.0, diffuse: 1.0, light, ..Shading::default() };
-    Frame { shading, shadows: Some(shadows), seed, ..frame(pixels([8, 8]), [8, 8], Method::Points) }
+    Frame { shading, shadows: Some(shadows), seed, ..Frame::new(pixels([8, 8]), [8, 8], Method::Points) }
 }
 
 /// The share of light of each point, as they are in the cloud.
@@ -190,14 +189,11 @@ fn georeferenced(stage: &mut CaseRenderer) -> CaseResult {
             Light::Position(position) => Light::Position(position + BY),
             light => light,
         };
-        let far = |dot: &Dot| Dot { position: dot.position + BY, ..*dot };
-        let single = |dot: &Dot| Dot { position: dot.position.as_vec3().as_dvec3(), ..*dot };
-        let far: Vec<Dot> = dots.iter().map(far).collect();
-        let rounded: Vec<Dot> = far.iter().map(single).collect();
+        let (far, _) = shifted(&dots, pixels([8, 8]), BY);
         let here = shares(stage, &cloud(&dots), &lit_frame(light, shadows, 0))?;
         let there = shares(stage, &cloud(&far), &lit_frame(moved, shadows, 0))?;
         error += wrong(&there, |i| here[i]);
-        let lost = shares(stage, &cloud(&rounded), &lit_frame(moved, shadows, 0))?;
+        let lost = shares(stage, &cloud(&rounded(&far)), &lit_frame(moved, shadows, 0))?;
         naive += wrong(&lost, |i| here[i]);
         // A scene without shadow, or without light, would say nothing.
         error += if here.contains(&0.0) && here.contains(&1.0) { 0.0 } else { f64::INFINITY };

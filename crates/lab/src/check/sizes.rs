@@ -2,11 +2,8 @@
 
 use std::f64::consts::E;
 
-use super::discs::roundings;
-use super::lists::{exact, of_families, with_samples};
 use super::prelude::*;
-use super::stage::pixels_apart;
-use pellucid_reference::soft::{Behind, Model, Scene};
+use super::soft::truth;
 use pellucid_scene::{BlendedSplats, Density, Family, ScreenSplats, Shells, Soft, SoftMethod, Stochastic};
 
 pub(super) fn cases() -> Vec<Case> {
@@ -24,9 +21,9 @@ pub(super) fn cases() -> Vec<Case> {
         [exact(), vec![Method::Circles(ScreenSplats::default()), Method::Hqs(BlendedSplats::default())]].concat();
     let placed = [exact(), vec![Method::Points, Method::Circles(ScreenSplats::default())]].concat();
     joined([
-        each(&long, "16384x1", row)
+        each(&long, "16384x1", |stage, method| line(stage, method, [16384, 1], |x| DVec3::new(x, -0.5, 0.0)))
             .about("a row of 16384 pixels, points 2^-14 of a pixel left of a border: pixels that differ"),
-        each(&long, "1x16384", column)
+        each(&long, "1x16384", |stage, method| line(stage, method, [1, 16384], |y| DVec3::new(0.5, -y, 0.0)))
             .about("a column of 16384 pixels, points 2^-14 of a pixel above a border: pixels that differ"),
         each(&spheres, "one-over-16384", one_sphere)
             .about("one sphere over a row of 16384 pixels, of 64 shells, against float64"),
@@ -50,22 +47,11 @@ fn line(stage: &mut CaseRenderer, method: Method, size: [u32; 2], place: fn(f64)
     Ok(Finding::counted(error, naive))
 }
 
-fn row(stage: &mut CaseRenderer, method: Method) -> CaseResult {
-    line(stage, method, [16384, 1], |x| DVec3::new(x, -0.5, 0.0))
-}
-
-fn column(stage: &mut CaseRenderer, method: Method) -> CaseResult {
-    line(stage, method, [1, 16384], |y| DVec3::new(0.5, -y, 0.0))
-}
-
 fn one_sphere(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let size = [16384, 1];
     let position = DVec3::new(8192.0, -0.5, -2e4);
     let dots = [Dot { position, radius: 1e4, field: 1.0, ..Dot::default() }];
-    let points = cloud(&dots);
-    let model = Model::new(method, &points);
-    let scene = Scene { camera: &pixels(size), size, points: &points, colors: &[DVec3::ONE], model };
-    let wanted = scene.render(|_| Behind::NOTHING).rgba;
+    let wanted = truth(&dots, &pixels(size), size, method);
     let image = stage.image(&dots, pixels(size), size, method)?;
     // The quadrature and the distance of the ray, whose effect is at most x exp(-x) ≤ 1/e; two ends and their roundings
     // for each shell, of depths of 1e4 at most 1e-3, at an absorption of λ μ' ≤ 1e-6 · 64 / 64 a unit.

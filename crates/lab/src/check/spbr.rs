@@ -6,7 +6,6 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::prelude::*;
-use super::stage::{mean, variance};
 use pellucid_core::random::threefry2x32;
 use pellucid_reference::spbr::slanted;
 use pellucid_scene::prepare::Arranged;
@@ -20,19 +19,12 @@ const ENSEMBLES: u32 = 20;
 const ERRORS: f64 = 4.4;
 
 pub(super) fn cases() -> Vec<Case> {
-    let plane = |k: f64, name: &str| {
-        one(name, "a white plane of opacity 0.5 shows 0.5, in 4.4 standard errors", move |stage| white_plane(stage, k))
-    };
-    let white = vec![
-        plane(0.3, "spbr/white-plane-k-0.3"),
-        plane(1.0, "spbr/white-plane-k-1"),
-        plane(4.0, "spbr/white-plane-k-4"),
-        plane(19.0, "spbr/white-plane-k-19"),
-    ];
+    let about = "a white plane of opacity 0.5 shows 0.5, in 4.4 standard errors";
+    let white = |k: f64| one(&format!("spbr/white-plane-k-{k}"), about, move |stage| white_plane(stage, k));
     let spbr = |cos_theta| [Method::Spbr(Spbr { ensembles: ENSEMBLES, cos_theta, ..Spbr::default() })];
     let simplified = [Method::SpbrSimplified(SpbrSimplified { ensembles: 7, ..SpbrSimplified::default() })];
     joined([
-        white,
+        [0.3, 1.0, 4.0, 19.0].map(white).into(),
         each(&spbr(true), "slanted", tilted).about("a plane at 60 degrees, Eq. 2: 1 - (1 - 0.3)^2"),
         each(&spbr(false), "slanted-corrected", tilted).about("the same without the shading effect: 0.3"),
         each(&spbr(true), "two-planes", two_planes).about("0.4 in front of 0.7: 0.4 + 0.6 · 0.7"),
@@ -86,7 +78,7 @@ fn dealt(planes: Vec<(Points, f64)>) -> Dealt {
 /// A of each pixel. Pixels are as good as independent: points fall on them at random.
 fn alphas(stage: &mut CaseRenderer, dealt: &Dealt, method: Method) -> Result<Vec<f64>> {
     let mut cloud = stage.renderer.upload(&Arranged::Dealt(dealt.clone()))?;
-    let image = stage.renderer.render(&mut cloud, &frame(pixels(SIZE), SIZE, method))?.image;
+    let image = stage.renderer.render(&mut cloud, &Frame::new(pixels(SIZE), SIZE, method))?.image;
     Ok(image.rgba.iter().map(|pixel| f64::from(pixel[3])).collect())
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::{CaseResult, Finding};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
@@ -57,7 +58,11 @@ impl Default for Dot {
 }
 
 impl CaseRenderer {
-    pub(super) fn new(device: &Device) -> Result<Self, Error> {
+    /// A stage on a device.
+    ///
+    /// # Errors
+    /// A device that has no memory for the first buffers.
+    pub fn new(device: &Device) -> Result<Self, Error> {
         Ok(Self { renderer: Renderer::new(device)? })
     }
 
@@ -86,12 +91,24 @@ impl CaseRenderer {
         size: [u32; 2],
         method: impl Into<Method>,
     ) -> Result<Image, Error> {
-        Ok(self.render(&cloud(dots), &frame(camera, size, method.into()))?.image)
+        Ok(self.render(&cloud(dots), &Frame::new(camera, size, method.into()))?.image)
     }
 
     /// The only pixel of the image of dots, which all lie on its ray.
     pub fn pixel(&mut self, dots: &[Dot], method: impl Into<Method>) -> Result<[f32; 4], Error> {
         Ok(self.image(dots, pixels([1, 1]), [1, 1], method)?.rgba[0])
+    }
+
+    /// Such a pixel, and that of a naive formula, against what it should be.
+    pub(super) fn compare(
+        &mut self,
+        dots: &[Dot],
+        method: impl Into<Method>,
+        naive: &[f32],
+        wanted: &[f64],
+        bound: f64,
+    ) -> CaseResult {
+        Ok(Finding::apart(&self.pixel(dots, method)?, naive, wanted, bound))
     }
 }
 
@@ -135,19 +152,15 @@ pub fn at(x: u32, y: u32, depth: f64) -> DVec3 {
     DVec3::new(f64::from(x) + 0.5, -(f64::from(y) + 0.5), -depth)
 }
 
-/// A frame without shading or budget, in linear color.
-pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
-    Frame::new(camera, size, method)
+/// Bytes in which two lists differ.
+pub fn bytes_between<T: bytemuck::NoUninit>(a: &[T], b: &[T]) -> f64 {
+    let (a, b) = (bytemuck::cast_slice::<_, u8>(a), bytemuck::cast_slice::<_, u8>(b));
+    (a.iter().zip(b).filter(|(a, b)| a != b).count() + a.len().abs_diff(b.len())) as f64
 }
 
 /// Bytes in which two images differ, depths included.
 pub fn bytes_apart(a: &Image, b: &Image) -> f64 {
-    let bytes = |image: &Image| -> Vec<u8> {
-        [bytemuck::cast_slice::<_, u8>(&image.rgba), bytemuck::cast_slice(&image.depth)].concat()
-    };
-    let (a, b) = (bytes(a), bytes(b));
-    let apart = a.iter().zip(&b).filter(|(a, b)| a != b).count() + a.len().abs_diff(b.len());
-    apart as f64
+    bytes_between(&a.rgba, &b.rgba) + bytes_between(&a.depth, &b.depth)
 }
 
 /// The largest difference between components and what they should be; infinite for NaN.
@@ -211,6 +224,11 @@ pub fn variance(values: &[f64]) -> f64 {
 /// The largest difference between the pixels of an image and those that should be; infinite for NaN.
 pub fn pixels_apart(found: &[[f32; 4]], wanted: &[[f64; 4]]) -> f64 {
     apart(found.as_flattened(), wanted.as_flattened())
+}
+
+/// Points at their positions in float32.
+pub fn rounded(dots: &[Dot]) -> Vec<Dot> {
+    dots.iter().map(|dot| Dot { position: dot.position.as_vec3().as_dvec3(), ..*dot }).collect()
 }
 
 /// Moves points and camera: the same picture, if no digit is lost.

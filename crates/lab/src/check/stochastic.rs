@@ -1,7 +1,6 @@
 //! Multi-sample stochastic transparency: no bias, exact A, and random numbers that have nothing to do with one another.
 
 use super::prelude::*;
-use super::stage::{fragments, mean, variance};
 use pellucid_core::random::word;
 use pellucid_reference::stochastic::{estimate, strata};
 use pellucid_scene::Stochastic;
@@ -43,7 +42,7 @@ fn images(stage: &mut CaseRenderer, dots: &[Dot], method: Method, seeds: &[u64])
     let mut cloud = stage.renderer.upload(&cloud(dots))?;
     let mut found = Vec::new();
     for seed in seeds {
-        let frame = Frame { seed: *seed, ..frame(pixels(SIZE), SIZE, method) };
+        let frame = Frame { seed: *seed, ..Frame::new(pixels(SIZE), SIZE, method) };
         found.push(stage.renderer.render(&mut cloud, &frame)?.image.rgba);
     }
     Ok(found)

@@ -12,7 +12,6 @@ use pellucid_scene::stored::{OpenStore, Stored};
 use pellucid_scene::{self as scene, Scene};
 
 use super::prelude::*;
-use super::stage::looking;
 
 /// Points of each cloud.
 const POINTS: u32 = 3000;
@@ -20,6 +19,7 @@ const POINTS: u32 = 3000;
 const DEVICE: u64 = 1 << 20;
 
 pub(super) fn cases() -> Vec<Case> {
+    let named = |name: &str| Method::all().into_iter().find(|method| method.name() == name);
     let methods: Vec<Method> = ["abuffer", "circles", "stochastic", "unsorted"].into_iter().filter_map(named).collect();
     let borders =
         "points on the borders of nodes, in either of them, at equal depths: values that differ from those in memory";
@@ -55,10 +55,6 @@ pub(super) fn cases() -> Vec<Case> {
         })
         .about(place),
     ])
-}
-
-fn named(name: &str) -> Option<Method> {
-    Method::all().into_iter().find(|method| method.name() == name)
 }
 
 /// Points of a cube of side 4 on a grid of eighths, so that many are on planes between nodes, and at one depth.
@@ -149,7 +145,7 @@ fn compared_with(
     let in_memory = scene::arrange(&scene, vec![cloud], 1, &hidden)?;
     let stored = Stored::new(&scene, &[OpenStore::new(Box::new(store))], DEVICE, &hidden)?;
     let camera = looking(DVec3::new(0.0, 0.0, 8.0), DVec3::ZERO, Projection::Orthographic { height: 4.5 }, 1.0, 16.0);
-    let whole = frame(camera, [48, 48], method);
+    let whole = Frame::new(camera, [48, 48], method);
     let small = Frame { memory_budget: Some(DEVICE), ..whole };
     let expected = stage.arranged(&in_memory, &whole)?;
     let found = stage.arranged(&stored.arranged(), &small)?;

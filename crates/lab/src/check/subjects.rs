@@ -147,7 +147,7 @@ fn subject(
     let fov_y = 0.8;
     let eye = DVec3::new(0.75, 1.0, 3.5);
     let camera = stage::looking(eye, DVec3::ZERO, Projection::Perspective { fov_y }, 0.1, 100.0);
-    let mut frame = Frame { fragments: true, ..stage::frame(camera, SIZE, method) };
+    let mut frame = Frame { fragments: true, ..Frame::new(camera, SIZE, method) };
     change(&mut frame);
     let comma = if special.is_empty() { "" } else { ", " };
     MethodScene { name: format!("{}{comma}{special}", choice.name()), clouds, choice, frame }

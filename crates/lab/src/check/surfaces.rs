@@ -1,9 +1,9 @@
 //! Surfaces of points that are filtered in the image (`image-space`), and layers of them (`peel-layers`): holes,
 //! borders, and d̃ at its ends.
 
-use super::naive::{bytes_apart as bytes_of, nearest, peel};
+use super::discs::extremes;
+use super::naive::peel;
 use super::prelude::*;
-use super::stage::pixels_apart;
 use pellucid_engine::methods::Rendered;
 use pellucid_scene::{ImageSpace, MAX_POINT_LAYERS, PeelLayers};
 
@@ -35,7 +35,9 @@ pub(super) fn cases() -> Vec<Case> {
         one("peel-layers/tiny-distance", "d̃ of 1e-30: surfaces a unit apart are two layers, each once", tiny_layers),
         one("peel-layers/huge-distance", "d̃ of 3e38: one layer", huge_layers),
         one("peel-layers/three-planes", "opacities of 0.3, 0.6 and 0.9, shuffled, against float64", three_planes),
-        one("peel-layers/opacity-0-and-1", "nothing shows of opacity 0, or behind opacity 1", extremes),
+        one("peel-layers/opacity-0-and-1", "nothing shows of opacity 0, or behind opacity 1", |stage| {
+            extremes(stage, Method::PeelLayers(PeelLayers { filters: PLAIN, layers: 9 }))
+        }),
         one("peel-layers/ends", "0, 1, 8, 9 and 17 surfaces: as many layers as there are", ends),
         one("peel-layers/all-equal", "500 points in one place, d̃ of 1% of nothing: one layer", all_equal),
     ];
@@ -59,7 +61,7 @@ fn layered(
     layers: u32,
 ) -> Result<Rendered> {
     let method = Method::PeelLayers(PeelLayers { filters, layers });
-    Ok(stage.render(&cloud(dots), &frame(pixels(size), size, method))?)
+    Ok(stage.render(&cloud(dots), &Frame::new(pixels(size), size, method))?)
 }
 
 /// A point in the middle of each pixel that has a depth.
@@ -171,7 +173,7 @@ fn huge(stage: &mut CaseRenderer) -> CaseResult {
     let plain = image(stage, &dots, size, filters)?;
     let filtered = image(stage, &dots, size, ImageSpace { occlusion: 3, antialias: true, ..filters })?;
     // With an infinity for background every pixel beside it is an edge, and its share of 4 d̃ = ∞ is NaN.
-    let naive = bytes_of(&naive::Filtered::new(&plain).antialiased(3e38, 0.25).rgba, &plain.rgba);
+    let naive = bytes_between(&naive::Filtered::new(&plain).antialiased(3e38, 0.25).rgba, &plain.rgba);
     Ok(Finding::new(bytes_apart(&plain, &filtered), 0.0, naive))
 }
 
@@ -270,21 +272,6 @@ fn three_planes(stage: &mut CaseRenderer) -> CaseResult {
     Ok(Finding::apart(&found, &over(&shuffled), &wanted, bound))
 }
 
-fn extremes(stage: &mut CaseRenderer) -> CaseResult {
-    let dots = [
-        dot(1.0, Vec3::ONE, 0.0),
-        dot(2.0, Vec3::Y, 0.5),
-        dot(3.0, Vec3::ONE, 0.0),
-        dot(4.0, Vec3::X, 1.0),
-        dot(5.0, Vec3::ONE, 1.0),
-    ];
-    let image = on_a_ray(stage, &dots, Some(0.25), 9)?.image;
-    let found = [image.rgba[0].as_slice(), &[image.depth[0]]].concat();
-    let wanted = [0.5, 0.5, 0.0, 1.0, 2.0];
-    // Powers of two; the depth is that of the first layer with an opacity. Naive: that of the nearest.
-    Ok(Finding::apart(&found, &[over(&dots).as_slice(), &[nearest(&dots)]].concat(), &wanted, 0.0))
-}
-
 fn ends(stage: &mut CaseRenderer) -> CaseResult {
     let (mut error, mut naive) = (0f64, f64::INFINITY);
     // 8 layers are one submission.
@@ -326,7 +313,7 @@ fn scattered(size: [u32; 2], count: u32) -> Vec<Dot> {
 fn budget(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let size = [160, 120];
     let mut cloud = stage.renderer.upload(&cloud(&scattered(size, 12_000)))?;
-    let whole = frame(pixels(size), size, method);
+    let whole = Frame::new(pixels(size), size, method);
     let free = stage.renderer.render(&mut cloud, &whole)?;
     // Less and less, until it takes several regions; too little for any is refused.
     let mut budget = 8u64 << 20;
@@ -348,7 +335,7 @@ fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let mut shuffled = dots.clone();
     shuffled.reverse();
     shuffled.rotate_left(1234);
-    let frame = Frame { fragments: true, ..frame(pixels(size), size, method) };
+    let frame = Frame { fragments: true, ..Frame::new(pixels(size), size, method) };
     let first = stage.render(&cloud(&dots), &frame)?.image;
     let second = stage.render(&cloud(&shuffled), &frame)?.image;
     // The first to arrive, of those on the nearest depth.

@@ -48,7 +48,7 @@ pub fn markdown(results: &[(&Case, Verdict)]) -> String {
         .to_owned();
     for group in groups(results.iter().map(|(case, _)| *case)) {
         let members = || group.members.iter().map(|i| &results[*i]);
-        let found: Vec<Finding> = members().filter_map(|(_, verdict)| finding(verdict)).collect();
+        let found: Vec<Finding> = members().filter_map(|(_, verdict)| verdict.finding()).collect();
         let numbers = if found.len() < group.members.len() {
             "not applicable | | |".to_owned()
         } else {
@@ -61,13 +61,6 @@ pub fn markdown(results: &[(&Case, Verdict)]) -> String {
         table += &format!("{} {numbers} |\n", group.columns());
     }
     table
-}
-
-fn finding(verdict: &Verdict) -> Option<Finding> {
-    match verdict {
-        Verdict::Found(finding) => Some(*finding),
-        _ => None,
-    }
 }
 
 /// The smallest error that was computed, and the statements in place of others.

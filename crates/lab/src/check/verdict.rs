@@ -141,6 +141,11 @@ impl From<Result<Finding>> for Verdict {
 }
 
 impl Verdict {
+    /// What was found, if the case was run.
+    pub(super) fn finding(&self) -> Option<Finding> {
+        if let Self::Found(finding) = self { Some(*finding) } else { None }
+    }
+
     /// True if the case failed; a case that does not apply neither passed nor failed.
     pub fn is_wrong(&self) -> bool {
         match self {

@@ -132,34 +132,29 @@ impl<'a, R> ReportTable<'a, R> {
 
     /// The table on a page.
     pub fn html(&self) -> Markup {
-        html! {
-            div.wide {
-                table {
-                    thead { tr { @for column in &self.columns { th class=[column.class()] { (column.title) } } } }
-                    tbody {
-                        @for row in 0..self.rows.len() {
-                            tr { @for column in &self.columns { td class=[column.class()] { (column.cells[row].text) } } }
-                        }
-                    }
-                }
-            }
-        }
+        self.markup(None)
     }
 
     /// The table on a page with [`sorting`], which a click on the head of a column sorts; some rows are marked.
     pub fn sortable(&self, is_marked: impl Fn(&R) -> bool) -> Markup {
+        self.markup(Some(&is_marked))
+    }
+
+    /// A table that can be sorted if rows may be marked.
+    fn markup(&self, is_marked: Option<&dyn Fn(&R) -> bool>) -> Markup {
+        let (class, scope) = (is_marked.map(|_| "sortable"), is_marked.map(|_| "col"));
         html! {
             div.wide {
-                table.sortable {
+                table class=[class] {
                     thead {
-                        tr { @for column in &self.columns { th scope="col" class=[column.class()] { (column.title) } } }
+                        tr { @for column in &self.columns { th scope=[scope] class=[column.class()] { (column.title) } } }
                     }
                     tbody {
                         @for (index, row) in self.rows.iter().enumerate() {
-                            tr class=[is_marked(row).then_some("marked")] {
+                            tr class=[is_marked.and_then(|is_marked| is_marked(row).then_some("marked"))] {
                                 @for column in &self.columns {
                                     @let cell = &column.cells[index];
-                                    td class=[column.class()] data-value=(cell.key()) { (cell.text) }
+                                    td class=[column.class()] data-value=[class.map(|_| cell.key())] { (cell.text) }
                                 }
                             }
                         }

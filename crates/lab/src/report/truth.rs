@@ -9,6 +9,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_gpu::Device;
+use pellucid_reference::View;
 use pellucid_reference::abuffer::{Composite, composite, lists_at};
 use pellucid_reference::shading::shade;
 use pellucid_reference::soft::{Behind, Model, Scene};
@@ -33,7 +34,7 @@ impl Truth {
         pixels.sort_unstable();
         let colors = shade(points, &frame.camera, &frame.shading, frame.color);
         let discs = frame.method.discs().copied().unwrap_or_default();
-        let lists = lists_at(&frame.camera, frame.size, points, &discs, &pixels);
+        let lists = lists_at(View::new(&frame.camera, frame.size), points, &discs, &pixels);
         Self { pixels, values: lists.iter().map(|list| composite(list, &colors)).collect() }
     }
 
@@ -60,7 +61,7 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
     let model = Model::new(method, points);
     let solids = solids(device, points, &model.soft, frame)?;
     let colors = shade(points, &frame.camera, &frame.shading, frame.color);
-    let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };
+    let scene = Scene { view: View::new(&frame.camera, frame.size), points, colors: &colors, model };
     let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
     Ok(Some(image_of(&picture)))
 }

@@ -18,7 +18,7 @@ fn run() -> Option<(Vec<Verdict>, bool)> {
     let halves = by_halves(|half| {
         let mut found = None;
         with_device(|device| {
-            let mut stage = check::stage(device).expect("a stage");
+            let mut stage = check::CaseRenderer::new(device).expect("a stage");
             let cases = check::cases().into_iter().skip(half).step_by(2);
             found = Some((cases.map(|case| case.run(&mut stage)).collect::<Vec<_>>(), is_llvmpipe(device)));
         });

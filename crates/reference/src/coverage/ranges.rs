@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3};
 
 use super::super::range::{ROUNDING, Range, screen_error};
 use super::{Outline, PlacedSplat, Splat, relative};
-use pellucid_core::camera::{Camera, Projection};
+use crate::View;
+use pellucid_core::camera::Projection;
 
 /// A pixel that a splat may cover.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,8 +27,8 @@ pub struct Possible {
 
 /// Returns the pixels of some rows that a splat may cover ([`super::footprint`]). Near and far have to be clear of its
 /// depth.
-pub fn possible(camera: &Camera, size: [u32; 2], splat: &Splat, rows: std::ops::Range<u32>) -> Vec<Possible> {
-    match PlacedSplat::new(camera, size, splat) {
+pub fn possible(view: View, splat: &Splat, rows: std::ops::Range<u32>) -> Vec<Possible> {
+    match PlacedSplat::new(view, splat) {
         Some(placed) if placed.is_within_depth_range() => {
             placed.window_in(rows).filter_map(|p| placed.possible(p)).collect()
         }
@@ -65,7 +66,7 @@ impl PlacedSplat<'_> {
     /// Tells if a pixel contains the projected center: for sure, and perhaps.
     fn may_be_home(&self, pixel: DVec2) -> [bool; 2] {
         let inside = |axis: usize, sign: f64| {
-            let error = sign * screen_error(self.center_px[axis], self.size[axis]);
+            let error = sign * screen_error(self.center_px[axis], self.view.size[axis]);
             let offset = self.center_px[axis] - pixel[axis];
             offset >= error && offset < 1.0 - error
         };
@@ -87,17 +88,16 @@ impl PlacedSplat<'_> {
     /// met.
     fn tangent_met(&self, at_px: DVec2, radius: f64, normal: DVec3) -> Met {
         let (u, z) = (ROUNDING, self.position_view.z);
-        let scale = self.camera.pixels_per_unit(z, self.size[1]);
+        let scale = self.view.pixels_per_unit(z);
         let offset = at_px - self.center_px;
         let o = DVec3::new(offset.x, -offset.y, 0.0);
-        let middle = 0.5 * DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
-        let focal = self.camera.focal_px(self.size[1]);
-        let slope = (at_px - middle) * DVec2::new(1.0, -1.0) / focal;
-        let (ray, facing) = match self.camera.projection {
+        let focal = self.view.camera.focal_px(self.view.size[1]);
+        let slope = self.view.on_plane(at_px);
+        let (ray, facing) = match self.view.camera.projection {
             Projection::Perspective { .. } => (slope.extend(1.0), normal.dot(self.position_view) / z),
             Projection::Orthographic { .. } => (DVec3::Z, normal.z),
         };
-        let perspective = matches!(self.camera.projection, Projection::Perspective { .. });
+        let perspective = matches!(self.view.camera.projection, Projection::Perspective { .. });
         // o: half a rounding for the fraction, one for the sum.
         let (reach, o_error) = (o.length(), u * (1.0 + o.length()));
         let along = normal.dot(o);

@@ -16,7 +16,7 @@ use super::super::fragments::{Composite, of_disc};
 use super::super::soft::Ray;
 use super::super::{ReferencePicture, gaussians};
 use super::{Hit, PlacedGaussian};
-use pellucid_core::camera::Camera;
+use crate::View;
 use pellucid_core::points::Points;
 use pellucid_scene::{Discs, GaussianSettings, Kernel};
 
@@ -61,15 +61,10 @@ pub fn density(opacity: f64, shortest: f64, settings: &GaussianSettings) -> f64 
     -(-opacity.min(f64::from(settings.alpha_max))).ln_1p() / (2.0 * shortest)
 }
 
-/// Returns the ray through a pixel's center.
-pub fn ray(camera: &Camera, size: [u32; 2], pixel: [u32; 2]) -> Ray {
-    Ray::new(camera, size, pixel)
-}
-
 /// Returns the part of a Gaussian on a pixel's ray; `None` where the ray misses it.
 pub fn meet(placed: &PlacedGaussian, settings: &GaussianSettings, pixel: [u32; 2], index: u32) -> Option<Body> {
-    let ray = ray(placed.camera, placed.size, pixel);
-    let near = placed.camera.near * ray.stretch;
+    let ray = Ray::new(placed.view, pixel);
+    let near = placed.view.camera.near * ray.stretch;
     let lengths = placed.lengths();
     let shortest = lengths.min_element();
     if shortest == 0.0 {
@@ -114,29 +109,28 @@ fn meet_flat(placed: &PlacedGaussian, ray: &Ray) -> Option<f64> {
 pub(super) fn footprint(placed: &PlacedGaussian, settings: &GaussianSettings) -> Vec<Hit> {
     let hit = |[x, y]: [u32; 2]| {
         let body = meet(placed, settings, [x, y], 0)?;
-        let z = body.start / ray(placed.camera, placed.size, [x, y]).stretch;
+        let z = body.start / Ray::new(placed.view, [x, y]).stretch;
         Some(Hit { x, y, alpha: body.opacity(), key: z, z })
     };
     placed.window(super::ray::bounds(placed, 1.0)).filter_map(hit).collect()
 }
 
 /// Returns the bodies on the rays of all pixels, row by row: Gaussians and discs, by the order of their points.
-pub fn bodies(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Body>> {
-    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+pub fn bodies(view: View, points: &Points, discs: &Discs) -> Vec<Vec<Body>> {
+    let mut pixels = vec![Vec::new(); view.pixels()];
     for index in 0..points.len() {
         let Some(gaussian) = gaussians::gaussian(points, index) else {
-            for (pixel, fragment) in of_disc(camera, size, points, index, discs) {
-                let place = [pixel as u32 % size[0], pixel as u32 / size[0]];
-                let at = fragment.z * ray(camera, size, place).stretch;
+            for (pixel, fragment) in of_disc(view, points, index, discs) {
+                let at = fragment.z * Ray::new(view, view.place(pixel)).stretch;
                 let matter = Matter::Surface(fragment.alpha);
                 pixels[pixel].push(Body { index: index as u32, start: at, end: at, matter });
             }
             continue;
         };
-        let Some(placed) = PlacedGaussian::new(camera, size, &gaussian) else { continue };
+        let Some(placed) = PlacedGaussian::new(view, &gaussian) else { continue };
         for [x, y] in placed.window(super::ray::bounds(&placed, 1.0)) {
             let body = meet(&placed, &discs.gaussians, [x, y], index as u32);
-            pixels[y as usize * size[0] as usize + x as usize].extend(body);
+            pixels[view.index(x, y)].extend(body);
         }
     }
     pixels
@@ -266,9 +260,9 @@ pub fn are_drawn(points: &Points, discs: &Discs) -> bool {
 
 /// Returns the whole image of `abuffer`, with ellipsoids ([`are_drawn`]). `colors` holds a color for each point, shaded
 /// and in the space that blending runs in. A count is that of bodies.
-pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
-    let bodies = bodies(camera, size, points, discs);
-    let stretch = |pixel: usize| ray(camera, size, [pixel as u32 % size[0], pixel as u32 / size[0]]).stretch;
+pub fn render(view: View, points: &Points, colors: &[DVec3], discs: &Discs) -> ReferencePicture {
+    let bodies = bodies(view, points, discs);
+    let stretch = |pixel: usize| Ray::new(view, view.place(pixel)).stretch;
     let blended = |(pixel, list): (usize, &Vec<Body>)| (blend(list, colors, stretch(pixel)), list.len() as u32);
-    ReferencePicture::of(size, bodies.iter().enumerate().map(blended))
+    ReferencePicture::of(view.size, bodies.iter().enumerate().map(blended))
 }

@@ -54,18 +54,14 @@ impl Projected {
     pub fn determinant(&self) -> f64 {
         let [a, b, c] = self.columns;
         let squares: f64 = [a.perp_dot(b), b.perp_dot(c), c.perp_dot(a)].iter().map(|cross| cross * cross).sum();
-        squares + self.dilation * (self.trace() + self.dilation)
+        let trace: f64 = self.columns.iter().map(|column| column.length_squared()).sum();
+        squares + self.dilation * (trace + self.dilation)
     }
 
     /// ρ² at an offset from the center; NaN or infinite where Σ′ has no inverse.
     pub fn rho2(&self, offset: DVec2) -> f64 {
         let crosses: f64 = self.columns.iter().map(|column| column.perp_dot(offset).powi(2)).sum();
         (crosses + self.dilation * offset.length_squared()) / self.determinant()
-    }
-
-    /// The sum of the variances without the dilation.
-    fn trace(&self) -> f64 {
-        self.columns.iter().map(|column| column.length_squared()).sum()
     }
 
     /// Returns the box around all places with at most this ρ².
@@ -78,9 +74,8 @@ impl Projected {
 
 /// μ′ in pixels.
 fn center(placed: &PlacedGaussian) -> DVec2 {
-    let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
-    let middle = 0.5 * DVec2::new(f64::from(placed.size[0]), f64::from(placed.size[1]));
-    middle + scale * DVec2::new(placed.center.x, -placed.center.y)
+    let scale = placed.view.pixels_per_unit(placed.center.z);
+    placed.view.middle() + scale * DVec2::new(placed.center.x, -placed.center.y)
 }
 
 /// Returns the factor of the opacity for a ratio of determinants, without and with the dilation.
@@ -91,13 +86,13 @@ pub(super) fn dilation_factor(ratio: f64) -> f64 {
 /// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows
 /// the center to 1.3 times the half field of view.
 fn jacobian(placed: &PlacedGaussian) -> (DMat3, DVec2) {
-    let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
+    let scale = placed.view.pixels_per_unit(placed.center.z);
     let across = DMat3::from_diagonal(DVec3::new(scale, -scale, 0.0));
-    if is_orthographic(placed.camera) {
+    if is_orthographic(placed.view.camera) {
         return (across, DVec2::ZERO);
     }
-    let focal = placed.camera.focal_px(placed.size[1]);
-    let most = 0.5 * CLAMP * DVec2::new(f64::from(placed.size[0]), f64::from(placed.size[1])) / focal;
+    let focal = placed.view.camera.focal_px(placed.view.size[1]);
+    let most = 0.5 * CLAMP * DVec2::new(f64::from(placed.view.size[0]), f64::from(placed.view.size[1])) / focal;
     let slope = (placed.center.truncate() / placed.center.z).clamp(-most, most);
     (DMat3 { z_axis: scale * DVec3::new(-slope.x, slope.y, 0.0), ..across }, slope)
 }

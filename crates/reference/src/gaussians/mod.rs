@@ -15,6 +15,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 pub use ranges::{Possible, PossibleChord, possible, possible_chords};
 
+use super::View;
 use super::coverage::{is_in_depth, pixels_within};
 use super::fragments::Fragment;
 use pellucid_core::camera::{Camera, Projection};
@@ -69,14 +70,8 @@ pub fn stop(points: &Points, settings: &GaussianSettings) -> f64 {
 }
 
 /// Returns the pixels that a Gaussian covers, row by row.
-pub fn footprint(
-    camera: &Camera,
-    size: [u32; 2],
-    gaussian: &Gaussian,
-    settings: &GaussianSettings,
-    order: Order,
-) -> Vec<Hit> {
-    let Some(placed) = PlacedGaussian::new(camera, size, gaussian) else { return Vec::new() };
+pub fn footprint(view: View, gaussian: &Gaussian, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
+    let Some(placed) = PlacedGaussian::new(view, gaussian) else { return Vec::new() };
     match settings.kernel {
         Kernel::Ewa => ewa::footprint(&placed, settings, order),
         Kernel::Ray => ray::footprint(&placed, settings, order),
@@ -87,16 +82,14 @@ pub fn footprint(
 /// Returns the fragments of the Gaussian that a point is, each with its pixel (row · width + column); z is the key.
 /// `None` of a point that is none.
 pub fn fragments(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     index: usize,
     settings: &GaussianSettings,
 ) -> Option<Vec<(usize, Fragment)>> {
-    let hits = footprint(camera, size, &gaussian(points, index)?, settings, order(settings));
+    let hits = footprint(view, &gaussian(points, index)?, settings, order(settings));
     let fragment = |hit: &Hit| Fragment { z: hit.key, index: index as u32, alpha: hit.alpha };
-    let pixel = |hit: &Hit| hit.y as usize * size[0] as usize + hit.x as usize;
-    Some(hits.iter().map(|hit| (pixel(hit), fragment(hit))).collect())
+    Some(hits.iter().map(|hit| (view.index(hit.x, hit.y), fragment(hit))).collect())
 }
 
 /// Returns a sorted list with the depths that an image shows in place of the keys that it is sorted by. They differ for
@@ -119,8 +112,7 @@ pub fn depth_of_key(camera: &Camera, points: &Points, settings: &GaussianSetting
 
 /// A Gaussian before a camera.
 pub struct PlacedGaussian<'a> {
-    camera: &'a Camera,
-    size: [u32; 2],
+    view: View<'a>,
     /// μ in camera coordinates (right, up, z).
     center: DVec3,
     /// M in camera coordinates.
@@ -131,19 +123,18 @@ pub struct PlacedGaussian<'a> {
 
 impl<'a> PlacedGaussian<'a> {
     /// `None` of a center that is outside the range of depths, or nowhere.
-    pub fn new(camera: &'a Camera, size: [u32; 2], gaussian: &Gaussian) -> Option<Self> {
-        let center = camera.to_view(gaussian.position);
-        if !gaussian.position.is_finite() || !is_in_depth(camera, center.z) {
+    pub fn new(view: View<'a>, gaussian: &Gaussian) -> Option<Self> {
+        let center = view.camera.to_view(gaussian.position);
+        if !gaussian.position.is_finite() || !is_in_depth(view.camera, center.z) {
             return None;
         }
-        let to_view = DMat3::from_cols(camera.right, camera.up, camera.forward).transpose();
+        let to_view = DMat3::from_cols(view.camera.right, view.camera.up, view.camera.forward).transpose();
         Some(Self {
-            camera,
-            size,
+            view,
             center,
             axes: to_view * gaussian.axes,
             opacity: gaussian.opacity,
-            distance: if is_orthographic(camera) { center.z } else { center.length() },
+            distance: if is_orthographic(view.camera) { center.z } else { center.length() },
         })
     }
 
@@ -168,14 +159,12 @@ impl<'a> PlacedGaussian<'a> {
 
     /// The place of a pixel's center on the plane at depth 1 (orthographic: at any depth).
     fn on_plane(&self, [x, y]: [u32; 2]) -> DVec2 {
-        let middle = 0.5 * DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
-        let offset = DVec2::new(f64::from(x), f64::from(y)) + 0.5 - middle;
-        offset * DVec2::new(1.0, -1.0) / self.camera.focal_px(self.size[1])
+        self.view.on_plane(DVec2::new(f64::from(x), f64::from(y)) + 0.5)
     }
 
     /// The pixels whose centers are within a box on the screen, and at least one more on each side.
     fn window(&self, ends: [DVec2; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
-        pixels_within(self.size, ends, 0..self.size[1])
+        pixels_within(self.view.size, ends, 0..self.view.size[1])
     }
 }
 

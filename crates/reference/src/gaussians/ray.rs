@@ -28,7 +28,7 @@ pub fn densest(placed: &PlacedGaussian, axes: DMat3, pixel: [u32; 2]) -> Densest
     let on_plane = placed.on_plane(pixel);
     let center = placed.center;
     // Perspective: x − slope·z = 0. Orthographic: x = place.
-    let (a, c) = if is_orthographic(placed.camera) {
+    let (a, c) = if is_orthographic(placed.view.camera) {
         ([rows.x_axis, rows.y_axis], center.truncate() - on_plane)
     } else {
         let a = [rows.x_axis - on_plane.x * rows.z_axis, rows.y_axis - on_plane.y * rows.z_axis];
@@ -45,7 +45,7 @@ pub fn densest(placed: &PlacedGaussian, axes: DMat3, pixel: [u32; 2]) -> Densest
 pub(super) fn bounds(placed: &PlacedGaussian, rho2: f64) -> [DVec2; 2] {
     let rows = placed.axes.transpose();
     let half = rho2.sqrt() * DVec3::from([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.length()));
-    on_screen(placed.camera, placed.size, placed.center - half, placed.center + half)
+    on_screen(placed.view, placed.center - half, placed.center + half)
 }
 
 pub(super) fn footprint(placed: &PlacedGaussian, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
@@ -56,7 +56,7 @@ pub(super) fn footprint(placed: &PlacedGaussian, settings: &GaussianSettings, or
     let hit = |[x, y]: [u32; 2]| {
         let Densest { rho2, depth } = densest(placed, placed.axes, [x, y]);
         let alpha = alpha(placed.opacity, rho2, settings)?;
-        let visible = depth >= placed.camera.near && depth <= placed.camera.far;
+        let visible = depth >= placed.view.camera.near && depth <= placed.view.camera.far;
         visible.then(|| Hit { x, y, alpha, key: placed.key(order, depth), z: placed.shown(order, depth) })
     };
     placed.window(bounds(placed, rho2)).filter_map(hit).collect()

@@ -7,8 +7,8 @@ use glam::DVec3;
 
 use super::super::coverage::is_in_depth;
 use super::super::range::{ColorRange, NOTHING, PictureRange, ROUNDING, Range, hull, screen_error};
-use super::{EDGES, RING, facing, in_order, is_ring_masked, layer_distance, neighbor};
-use pellucid_core::camera::Camera;
+use super::{EDGES, RING, in_order, is_ring_masked, is_turned_away, layer_distance, neighbor};
+use crate::View;
 use pellucid_core::points::Points;
 use pellucid_scene::ImageSpace;
 
@@ -35,19 +35,19 @@ pub struct Home {
 }
 
 /// Returns the pixels of a point: one, or several if it lies on their border as closely as that is computed.
-pub fn homes(camera: &Camera, size: [u32; 2], position: DVec3) -> Vec<Home> {
-    let (at, z) = camera.project(position, size);
-    if !position.is_finite() || !is_in_depth(camera, z) {
+pub fn homes(view: View, position: DVec3) -> Vec<Home> {
+    let (at, z) = view.camera.project(position, view.size);
+    if !position.is_finite() || !is_in_depth(view.camera, z) {
         return Vec::new();
     }
     let reach = |axis: usize| {
-        let error = screen_error(at[axis], size[axis]);
+        let error = screen_error(at[axis], view.size[axis]);
         // Beyond the image all pixels are one.
-        [at[axis] - error, at[axis] + error].map(|at| (at.floor() as i64).clamp(-1, i64::from(size[axis])))
+        [at[axis] - error, at[axis] + error].map(|at| (at.floor() as i64).clamp(-1, i64::from(view.size[axis])))
     };
     let [columns, rows] = [reach(0), reach(1)];
     let sure = columns[0] == columns[1] && rows[0] == rows[1];
-    let [width, height] = size.map(i64::from);
+    let [width, height] = view.size.map(i64::from);
     let inside = |x: i64, y: i64| (0..width).contains(&x) && (0..height).contains(&y);
     let all = (rows[0]..=rows[1]).flat_map(|y| (columns[0]..=columns[1]).map(move |x| (x, y)));
     let seen = all.filter(|(x, y)| inside(*x, *y));
@@ -56,8 +56,7 @@ pub fn homes(camera: &Camera, size: [u32; 2], position: DVec3) -> Vec<Home> {
 
 /// Returns the nearest points with a depth of at least `from`. `color` is that of a point by its index, premultiplied.
 pub fn nearest(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     cull: bool,
     from: &[Range],
@@ -65,11 +64,10 @@ pub fn nearest(
 ) -> LayerRange {
     let mut candidates: Vec<Vec<(Home, usize)>> = vec![Vec::new(); from.len()];
     for index in 0..points.len() {
-        let normal = points.own_normal(index).map_or(DVec3::ZERO, |normal| normal.as_dvec3());
-        if cull && facing(camera, points.positions[index], normal).is_some_and(|cos| cos <= 0.0) {
+        if cull && is_turned_away(view.camera, points, index) {
             continue;
         }
-        for home in homes(camera, size, points.positions[index]) {
+        for home in homes(view, points.positions[index]) {
             let limit = from[home.pixel];
             if home.z.high >= limit.low {
                 let sure = home.sure && home.z.low >= limit.high;
@@ -88,7 +86,7 @@ pub fn nearest(
         (depth, colors.chain(nothing).reduce(hull).unwrap_or(NOTHING))
     });
     let (depth, rgba) = pixels.unzip();
-    LayerRange { size, depth, rgba }
+    LayerRange { size: view.size, depth, rgba }
 }
 
 /// The outcome of a decision: for sure, or perhaps.
@@ -112,10 +110,6 @@ impl Decided {
 impl LayerRange {
     fn neighbor_depth(&self, pixel: usize, offset: [i64; 2]) -> Range {
         neighbor(self.size, pixel, offset).map_or(Range::only(f64::INFINITY), |at| self.depth[at])
-    }
-
-    fn neighbor_color(&self, pixel: usize, offset: [i64; 2]) -> ColorRange {
-        neighbor(self.size, pixel, offset).map_or(NOTHING, |at| self.rgba[at])
     }
 
     /// Tells if one of the eight masks keeps a pixel, of neighbors that lie beyond a depth.
@@ -229,7 +223,7 @@ impl LayerRange {
         let soften = |pixel: usize| {
             let t = self.edge(pixel, distance, far);
             let own = self.rgba[pixel];
-            let around = EDGES.map(|offset| self.neighbor_color(pixel, offset));
+            let around = EDGES.map(|offset| neighbor(self.size, pixel, offset).map_or(NOTHING, |at| self.rgba[at]));
             let mixed = std::array::from_fn(|c| {
                 let mean = around.iter().fold(Range::only(0.0), |sum, rgba| sum + rgba[c]).scaled(0.25);
                 let at = |t: f64| own[c].scaled(1.0 - 0.5 * t) + mean.scaled(0.5 * t);
@@ -258,20 +252,14 @@ pub fn rounded_distance(set: Option<f32>, points: &Points) -> Range {
 }
 
 /// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
-pub fn ranges(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    filters: &ImageSpace,
-) -> PictureRange {
-    let everything = vec![Range::only(f64::NEG_INFINITY); size[0] as usize * size[1] as usize];
+pub fn ranges(view: View, points: &Points, colors: &[DVec3], filters: &ImageSpace) -> PictureRange {
+    let everything = vec![Range::only(f64::NEG_INFINITY); view.pixels()];
     let color = |index: usize| colors[index].extend(1.0).to_array();
-    let found = nearest(camera, size, points, filters.cull, &everything, color);
+    let found = nearest(view, points, filters.cull, &everything, color);
     let distance = rounded_distance(filters.min_layer_distance, points);
-    let layer = found.filtered(filters, distance, camera.far);
+    let layer = found.filtered(filters, distance, view.camera.far);
     let counts = layer.depth.iter().map(|depth| count_of(*depth)).collect();
-    PictureRange { width: size[0], rgba: layer.rgba, depth: layer.depth, counts }
+    PictureRange { width: view.size[0], rgba: layer.rgba, depth: layer.depth, counts }
 }
 
 /// 1 where something is, 0 for background.

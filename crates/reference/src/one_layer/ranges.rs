@@ -6,16 +6,16 @@ use glam::DVec3;
 use super::super::range::{ColorRange, PictureRange, Range, hull};
 use super::super::splats::{Candidate, blend_ranges as blend, count, for_each_list, nearest};
 use super::{is_soft, shape_of};
-use pellucid_core::camera::Camera;
+use crate::View;
 use pellucid_core::points::Points;
 use pellucid_scene::{BlendedSplats, OneLayer};
 
 /// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
-pub fn ranges(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &OneLayer) -> PictureRange {
+pub fn ranges(view: View, points: &Points, colors: &[DVec3], settings: &OneLayer) -> PictureRange {
     let splats = BlendedSplats::default();
     let blend_depth = f64::from(splats.blend_depth);
-    let mut picture = PictureRange { width: size[0], ..PictureRange::default() };
-    for_each_list(camera, size, points, shape_of(points), &splats.splats, |list| {
+    let mut picture = PictureRange { width: view.size[0], ..PictureRange::default() };
+    for_each_list(view, points, shape_of(points), &splats.splats, |list| {
         let (soft, solid): (Vec<Candidate>, Vec<Candidate>) =
             list.iter().partition(|f| is_soft(points, f.index, settings.threshold));
         let (rgba, depth) = pixel(&soft, &solid, colors, f64::from(settings.softness), blend_depth);

@@ -6,32 +6,26 @@ use glam::DVec3;
 
 use super::super::image_space::{LayerRange, count_of, nearest_ranges, rounded_distance};
 use super::super::range::{NOTHING, PictureRange, ROUNDING, Range};
-use pellucid_core::camera::Camera;
+use crate::View;
 use pellucid_core::points::Points;
 use pellucid_scene::PeelLayers;
 
 /// See [`super::layers`]. A layer of which only roundings say that something is in it is there.
-fn layers(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    settings: &PeelLayers,
-) -> Vec<LayerRange> {
+fn layers(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) -> Vec<LayerRange> {
     let filters = &settings.filters;
     let distance = rounded_distance(filters.min_layer_distance, points);
     let color = |index: usize| {
         let alpha = f64::from(points.opacities[index]);
         (alpha * colors[index]).extend(alpha).to_array()
     };
-    let mut from = vec![Range::only(f64::NEG_INFINITY); size[0] as usize * size[1] as usize];
+    let mut from = vec![Range::only(f64::NEG_INFINITY); view.pixels()];
     let mut layers = Vec::new();
     while layers.len() < settings.layers as usize {
-        let found = nearest_ranges(camera, size, points, filters.cull, &from, color);
+        let found = nearest_ranges(view, points, filters.cull, &from, color);
         if found.depth.iter().all(|depth| depth.low.is_infinite()) {
             break;
         }
-        let layer = found.filtered(filters, distance, camera.far);
+        let layer = found.filtered(filters, distance, view.camera.far);
         // The sum is rounded.
         let next = |depth: &Range| match depth.low {
             f64::INFINITY => *depth,
@@ -44,16 +38,10 @@ fn layers(
 }
 
 /// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
-pub fn ranges(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    settings: &PeelLayers,
-) -> PictureRange {
-    let layers = layers(camera, size, points, colors, settings);
-    let pixels = size[0] as usize * size[1] as usize;
-    let mut picture = PictureRange { width: size[0], ..PictureRange::default() };
+pub fn ranges(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) -> PictureRange {
+    let layers = layers(view, points, colors, settings);
+    let pixels = view.pixels();
+    let mut picture = PictureRange { width: view.size[0], ..PictureRange::default() };
     for pixel in 0..pixels {
         let (mut rgba, mut transmittance) = (NOTHING, Range::only(1.0));
         for layer in &layers {

@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::super::image_space::{Home, homes, nearest_ranges};
 use super::super::range::{ROUNDING, Range};
 use super::{Frames, LEAST_COS};
+use crate::View;
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 
@@ -27,7 +28,7 @@ fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec
         let position = points.positions[index];
         let seen = light.iter().zip(&images).flat_map(|(camera, depths)| {
             let limit = reach(points, index, camera, distance);
-            let homes = homes(camera, [resolution; 2], position);
+            let homes = homes(View::new(camera, [resolution; 2]), position);
             homes.into_iter().map(move |home| (home, is_lit(home, depths[home.pixel], limit)))
         });
         let seen: Vec<(Home, Range)> = seen.collect();
@@ -40,8 +41,9 @@ fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec
 
 /// See [`super::reference_depths`].
 fn depths(camera: &Camera, resolution: u32, points: &Points, distance: Range) -> Vec<Range> {
-    let everything = vec![Range::only(f64::NEG_INFINITY); resolution as usize * resolution as usize];
-    let nearest = nearest_ranges(camera, [resolution; 2], points, false, &everything, |_| [0.0; 4]);
+    let view = View::new(camera, [resolution; 2]);
+    let everything = vec![Range::only(f64::NEG_INFINITY); view.pixels()];
+    let nearest = nearest_ranges(view, points, false, &everything, |_| [0.0; 4]);
     nearest.occluded_replaced(distance).depth
 }
 

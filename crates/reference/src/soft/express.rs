@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::density::modulated_opacity;
 use super::{Behind, Model, Pixel};
+use crate::View;
 use crate::coverage::{Shape, Splat, footprint};
 use crate::fragments::{self, Fragment};
 use pellucid_core::camera::Camera;
@@ -41,19 +42,18 @@ fn order(camera: &Camera, points: &Points, threshold: f32) -> Vec<usize> {
 
 /// Returns the discs of each of these pixels (row · width + column, ascending) in that order, behind solids too.
 pub fn lists(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     model: &Model,
     wanted: impl Fn(usize) -> Option<usize>,
     len: usize,
 ) -> Vec<Vec<Fragment>> {
     let mut lists = vec![Vec::new(); len];
-    for index in order(camera, points, model.soft.threshold) {
+    for index in order(view.camera, points, model.soft.threshold) {
         let splat = Splat::facing(points.positions[index], f64::from(points.radii[index]), Shape::Disc);
         let w = super::density::modulation(points.fields[index], &model.soft);
-        for pixel in footprint(camera, size, &splat) {
-            let Some(at) = wanted(pixel.index(size)) else { continue };
+        for pixel in footprint(view, &splat) {
+            let Some(at) = wanted(view.index(pixel.x, pixel.y)) else { continue };
             let opacity = opacity(model.strength.peak, pixel.rho);
             let alpha = if w == 1.0 { opacity } else { modulated_opacity(opacity, pixel.rho, w, model.strength.peak) };
             lists[at].push(Fragment { z: pixel.z, index: index as u32, alpha });

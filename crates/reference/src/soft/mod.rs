@@ -15,12 +15,11 @@ use glam::DVec3;
 pub use self::density::Strength;
 pub use self::ray::{Chord, Ray};
 pub use self::spans::{Limits, Medium, Span, in_8_bits};
-use super::ReferencePicture;
 use super::coverage::is_in_depth;
 use super::fragments::Composite;
 /// The background of soft points: the pixel of a picture of the solid ones.
 pub use super::fragments::Composite as Behind;
-use pellucid_core::camera::Camera;
+use super::{ReferencePicture, View};
 use pellucid_core::parallel;
 use pellucid_core::points::Points;
 use pellucid_scene::{MAX_SHELLS, Shells, Soft, SoftMethod};
@@ -90,10 +89,8 @@ impl Pixel {
 /// The scene to render.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
-    /// Camera of the picture.
-    pub camera: &'a Camera,
-    /// Columns and rows of the image.
-    pub size: [u32; 2],
+    /// Camera and image.
+    pub view: View<'a>,
     /// All points; those with F > t are soft.
     pub points: &'a Points,
     /// A color for each point ([`super::shading::shade`]).
@@ -103,18 +100,9 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn pixels(&self) -> usize {
-        self.size[0] as usize * self.size[1] as usize
-    }
-
-    fn place(&self, pixel: usize) -> [u32; 2] {
-        let width = self.size[0] as usize;
-        [(pixel % width) as u32, (pixel / width) as u32]
-    }
-
     /// Returns the spheres with centers between near and far.
     pub fn spheres(&self) -> Vec<Sphere> {
-        let Self { camera, points, colors, model, .. } = self;
+        let Self { view: View { camera, .. }, points, colors, model } = self;
         let soft = (0..points.fields.len()).filter(|i| points.fields[*i] > model.soft.threshold);
         let sphere = |i: usize| {
             let center = camera.to_view(points.positions[i]);
@@ -136,7 +124,7 @@ impl Scene<'_> {
         Some(match soft.shells {
             Shells::Fixed(shells) => shells,
             Shells::Adaptive => {
-                let radius_px = radius * self.camera.pixels_per_unit(z, self.size[1]);
+                let radius_px = radius * self.view.pixels_per_unit(z);
                 let wanted = (radius_px / f64::from(soft.pixels_per_shell)).ceil();
                 wanted.clamp(1.0, f64::from(MAX_SHELLS)) as u32
             }
@@ -145,8 +133,8 @@ impl Scene<'_> {
 
     /// Renders one pixel; spheres that its ray misses have no effect.
     fn pixel<'s>(&self, pixel: usize, spheres: impl Iterator<Item = &'s Sphere>, behind: &Behind) -> Pixel {
-        let ray = Ray::new(self.camera, self.size, self.place(pixel));
-        let limits = Limits { near: self.camera.near * ray.stretch, solid: behind.depth * ray.stretch };
+        let ray = Ray::new(self.view, self.view.place(pixel));
+        let limits = Limits { near: self.view.camera.near * ray.stretch, solid: behind.depth * ray.stretch };
         let mut spans = Vec::new();
         let met = spheres.filter(|sphere| spans::append(&mut spans, &self.model, sphere, &ray, &limits)).count();
         spans::blend(spans, ray.stretch, met as u32, behind)
@@ -157,7 +145,7 @@ impl Scene<'_> {
     pub fn render_at(&self, wanted: &[usize], behind: impl Fn(usize) -> Behind + Sync) -> Vec<Pixel> {
         if let SoftMethod::Express(_) = self.model.method {
             let found = |pixel: usize| wanted.binary_search(&pixel).ok();
-            let lists = express::lists(self.camera, self.size, self.points, &self.model, found, wanted.len());
+            let lists = express::lists(self.view, self.points, &self.model, found, wanted.len());
             let each = lists.iter().zip(wanted);
             return each.map(|(list, pixel)| express::blend(list, self.colors, &behind(*pixel))).collect();
         }
@@ -168,19 +156,19 @@ impl Scene<'_> {
     /// Renders the whole image. `behind` gives the background of a pixel.
     pub fn render(&self, behind: impl Fn(usize) -> Behind + Sync) -> ReferencePicture {
         let pixels = match self.model.method {
-            SoftMethod::Express(_) => self.render_at(&(0..self.pixels()).collect::<Vec<_>>(), behind),
+            SoftMethod::Express(_) => self.render_at(&(0..self.view.pixels()).collect::<Vec<_>>(), behind),
             _ => self.render_rows(behind),
         };
         let pixel = |p: &Pixel| (Composite { color: p.color, alpha: p.alpha, depth: p.depth }, p.count);
-        ReferencePicture::of(self.size, pixels.iter().map(pixel))
+        ReferencePicture::of(self.view.size, pixels.iter().map(pixel))
     }
 
     /// All pixels, with the spheres tried only where a rectangle around them reaches.
     fn render_rows(&self, behind: impl Fn(usize) -> Behind + Sync) -> Vec<Pixel> {
-        let width = self.size[0] as usize;
+        let width = self.view.size[0] as usize;
         let spheres = self.spheres();
-        let rectangles: Vec<[u32; 4]> = spheres.iter().map(|s| rectangle::around(self.camera, self.size, s)).collect();
-        let mut of_row = vec![Vec::new(); self.size[1] as usize];
+        let rectangles: Vec<[u32; 4]> = spheres.iter().map(|s| rectangle::around(self.view, s)).collect();
+        let mut of_row = vec![Vec::new(); self.view.size[1] as usize];
         for (i, [_, y0, _, y1]) in rectangles.iter().enumerate() {
             of_row[*y0 as usize..*y1 as usize].iter_mut().for_each(|row| row.push(i));
         }

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use pellucid_core::camera::{Camera, Projection};
+use crate::View;
+use pellucid_core::camera::Projection;
 
 /// The ray through a pixel's center, in camera coordinates (right, up, z).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +29,7 @@ pub struct Chord {
 
 impl Ray {
     /// Makes the ray through the center of pixel (x, y).
-    pub fn new(camera: &Camera, size: [u32; 2], [x, y]: [u32; 2]) -> Self {
+    pub fn new(View { camera, size }: View, [x, y]: [u32; 2]) -> Self {
         let focal = camera.focal_px(size[1]);
         let right = (f64::from(x) + 0.5 - 0.5 * f64::from(size[0])) / focal;
         let up = (0.5 * f64::from(size[1]) - f64::from(y) - 0.5) / focal;

@@ -3,10 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::Sphere;
-use pellucid_core::camera::{Camera, Projection};
+use crate::View;
+use pellucid_core::camera::Projection;
 
 /// Returns the first column and row, one past the last column and row, with a pixel to spare on each side.
-pub fn around(camera: &Camera, size: [u32; 2], sphere: &Sphere) -> [u32; 4] {
+pub fn around(View { camera, size }: View, sphere: &Sphere) -> [u32; 4] {
     let focal = camera.focal_px(size[1]);
     let extent = |offset: f64| match camera.projection {
         Projection::Perspective { .. } => tangents(offset, sphere.center.z, sphere.radius),

@@ -4,8 +4,9 @@
 use glam::DVec3;
 
 use super::super::range::{ColorRange, Range};
-use super::{DEPTH_ERROR, Drawn, ROUNDING, Rule, View, dealing, drawn, hands_of, least_area, screen_error, share};
-use pellucid_core::camera::Camera;
+use super::{
+    DEPTH_ERROR, Drawn, Inputs, ROUNDING, Rule, View, dealing, drawn, hands_of, least_area, screen_error, share,
+};
 use pellucid_scene::prepare::ensembles::Dealt;
 
 /// The image and its standard errors.
@@ -84,13 +85,13 @@ impl Sums {
 }
 
 /// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
-pub fn ranges(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> Ranges {
+pub fn ranges(view: View, dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> Ranges {
     let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
-    let view = View { camera, size, dealt, ids, rule: *rule, seed };
-    let hands = hands_of(&view, dealing::hands);
-    let mut sums = vec![Sums::EMPTY; size[0] as usize * size[1] as usize];
+    let inputs = Inputs { view, dealt, ids, rule: *rule, seed };
+    let hands = hands_of(&inputs, dealing::hands);
+    let mut sums = vec![Sums::EMPTY; view.pixels()];
     for ensemble in 0..rule.ensembles {
-        for (sums, candidates) in sums.iter_mut().zip(candidates(&view, ensemble, &hands)) {
+        for (sums, candidates) in sums.iter_mut().zip(candidates(&inputs, ensemble, &hands)) {
             sums.add(&candidates, colors);
         }
     }
@@ -103,21 +104,21 @@ pub fn ranges(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], 
 }
 
 /// Everything that an ensemble may draw on each pixel.
-fn candidates(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>]) -> Vec<Vec<Candidate>> {
-    let mut pixels = vec![Vec::new(); view.size[0] as usize * view.size[1] as usize];
-    for (surface, hands) in view.dealt.surfaces.iter().zip(hands) {
-        let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
+fn candidates(inputs: &Inputs, ensemble: u32, hands: &[Vec<Vec<u64>>]) -> Vec<Vec<Candidate>> {
+    let mut pixels = vec![Vec::new(); inputs.view.pixels()];
+    for (surface, hands) in inputs.dealt.surfaces.iter().zip(hands) {
+        let share = share(inputs.view, inputs.dealt, surface, &inputs.rule);
         for point in &hands[ensemble as usize] {
             let index = (surface.points.start + point) as usize;
             // Near and far are rounded, too.
-            let [wide, narrow] = [1.0, -1.0].map(|sign| drawn(view, &share, index, sign * 2.0 * DEPTH_ERROR));
+            let [wide, narrow] = [1.0, -1.0].map(|sign| drawn(inputs, &share, index, sign * 2.0 * DEPTH_ERROR));
             let Some(point) = wide else { continue };
-            let least = least_area(view.ids[index], ensemble, view.seed);
+            let least = least_area(inputs.ids[index], ensemble, inputs.seed);
             if point.area + point.area_error <= least {
                 continue;
             }
             let is_drawn = narrow.is_some() && point.area - point.area_error > least;
-            for (pixel, covers) in covered(&point, view.size) {
+            for (pixel, covers) in covered(&point, inputs.view.size) {
                 let sure = is_drawn && covers;
                 pixels[pixel].push(Candidate { z: Range::depth(point.z), index, sure });
             }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::coverage::{Shape, Splat, possible};
 use super::super::range::{ColorRange, NOTHING, PictureRange, ROUNDING, Range};
 use super::splat;
-use pellucid_core::camera::Camera;
+use crate::View;
 use pellucid_core::points::Points;
 use pellucid_scene::{BlendedSplats, ScreenSplats};
 
@@ -108,16 +108,9 @@ pub(crate) fn nearest(list: &[Candidate]) -> Range {
 }
 
 /// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
-pub fn ranges(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    shape: Shape,
-    settings: &BlendedSplats,
-) -> PictureRange {
-    let mut picture = PictureRange { width: size[0], ..PictureRange::default() };
-    for_each_list(camera, size, points, shape, &settings.splats, |list| {
+pub fn ranges(view: View, points: &Points, colors: &[DVec3], shape: Shape, settings: &BlendedSplats) -> PictureRange {
+    let mut picture = PictureRange { width: view.size[0], ..PictureRange::default() };
+    for_each_list(view, points, shape, &settings.splats, |list| {
         let (rgba, depth) = blend(list, colors, f64::from(settings.blend_depth));
         picture.push(rgba, depth, count(list));
     });
@@ -131,19 +124,17 @@ pub(crate) fn count(list: &[Candidate]) -> Range {
 
 /// Calls for each pixel, row by row, with what it may have: all lists together may be large.
 pub(crate) fn for_each_list(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     points: &Points,
     shape: Shape,
     settings: &ScreenSplats,
     mut visit: impl FnMut(&[Candidate]),
 ) {
-    let drawn: Vec<Splat> =
-        (0..points.len()).map(|index| splat(camera, size, points, index, shape, settings)).collect();
-    for row in 0..size[1] {
-        let mut lists = vec![Vec::new(); size[0] as usize];
+    let drawn: Vec<Splat> = (0..points.len()).map(|index| splat(view, points, index, shape, settings)).collect();
+    for row in 0..view.size[1] {
+        let mut lists = vec![Vec::new(); view.size[0] as usize];
         for (index, splat) in drawn.iter().enumerate() {
-            for p in possible(camera, size, splat, row..row + 1) {
+            for p in possible(view, splat, row..row + 1) {
                 lists[p.x as usize].push(Candidate { z: p.z, rho: p.rho, radius: splat.radius, index, sure: p.sure });
             }
         }

@@ -16,7 +16,7 @@ fn stack(depths: &[f64], opacity: f32) -> Points {
 #[test]
 fn sorted_by_depth_then_by_index() {
     let points = stack(&[7.0, 3.0, 7.0, 5.0, 3.0], 0.5);
-    let lists = lists(&orthographic(), SIZE, &points, &Discs::default());
+    let lists = lists(View::new(&orthographic(), SIZE), &points, &Discs::default());
     let order: Vec<_> = lists[4 * 9 + 4].iter().map(|f| (f.z, f.index)).collect();
     assert_eq!(order, [(3.0, 1), (3.0, 4), (5.0, 3), (7.0, 0), (7.0, 2)]);
 }
@@ -26,7 +26,7 @@ fn every_fragment_is_on_its_pixel() {
     let mut points = stack(&[5.0, 5.0], 0.5);
     points.positions[1] = DVec3::new(4.0, -4.0, -5.0);
     points.radii[1] = 1.2;
-    let lengths: Vec<(usize, usize)> = lists(&orthographic(), SIZE, &points, &Discs::default())
+    let lengths: Vec<(usize, usize)> = lists(View::new(&orthographic(), SIZE), &points, &Discs::default())
         .iter()
         .enumerate()
         .filter_map(|(pixel, list)| (!list.is_empty()).then_some((pixel, list.len())))
@@ -39,9 +39,9 @@ fn every_fragment_is_on_its_pixel() {
 fn some_pixels_are_those_of_the_whole() {
     let mut points = stack(&[5.0, 3.0], 0.5);
     points.radii[1] = 2.0;
-    let all = lists(&orthographic(), SIZE, &points, &Discs::default());
+    let all = lists(View::new(&orthographic(), SIZE), &points, &Discs::default());
     let wanted = [0, 3 * 9 + 4, 4 * 9 + 4, 8 * 9 + 8];
-    let some = lists_at(&orthographic(), SIZE, &points, &Discs::default(), &wanted);
+    let some = lists_at(View::new(&orthographic(), SIZE), &points, &Discs::default(), &wanted);
     assert_eq!(some, wanted.map(|pixel| all[pixel].clone()));
     assert_eq!(some.iter().map(Vec::len).collect::<Vec<_>>(), [0, 1, 2, 0]);
 }
@@ -51,7 +51,7 @@ fn gaussian_falloff() {
     let mut points = stack(&[5.0], 0.8);
     points.radii[0] = 2.0;
     let discs = Discs { falloff: Falloff::Gaussian, ..Discs::default() };
-    let lists = lists(&orthographic(), SIZE, &points, &discs);
+    let lists = lists(View::new(&orthographic(), SIZE), &points, &discs);
     let alpha = |x: usize, y: usize| lists[y * 9 + x][0].alpha;
     // ρ = 0, 1/2 and 1.
     assert_close(alpha(4, 4), f64::from(0.8f32), ROUNDING);
@@ -65,7 +65,7 @@ fn oriented_discs_that_cross_change_places_from_pixel_to_pixel() {
     points.radii = vec![4.0; 2];
     points.normals = Some(vec![tilted(45.0).as_vec3(), tilted(-45.0).as_vec3()]);
     let discs = Discs { shape: DiscShape::Oriented, ..Discs::default() };
-    let lists = lists(&orthographic(), SIZE, &points, &discs);
+    let lists = lists(View::new(&orthographic(), SIZE), &points, &discs);
     let order = |x: usize| -> Vec<u32> { lists[4 * 9 + x].iter().map(|f| f.index).collect() };
     // z grows to the right on the first, to the left on the second.
     assert_eq!((order(3), order(5)), (vec![0, 1], vec![1, 0]));
@@ -96,7 +96,7 @@ fn a_list_ends_before_the_fragment_that_would_leave_too_little() {
 #[test]
 fn whole_image() {
     let points = stack(&[6.0, 4.0], 0.5);
-    let picture = abuffer::render(&orthographic(), SIZE, &points, &[DVec3::X, DVec3::Y], &Discs::default());
+    let picture = abuffer::render(View::new(&orthographic(), SIZE), &points, &[DVec3::X, DVec3::Y], &Discs::default());
     let on = 4 * 9 + 4;
     // Green before red: 0.5 of the one, 0.5·0.5 of the other.
     assert_close(picture.rgba[on][0], 0.25, ROUNDING);

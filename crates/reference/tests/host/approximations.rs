@@ -108,7 +108,9 @@ fn a_tail_by_moments_is_that_method_behind_an_exact_front() {
     let on = 4 * 9 + 4;
     let of = |k, core_alpha_min, moments| {
         let hybrid = Hybrid { k, core_alpha_min, tail: Tail::Moments, moments, ..Hybrid::default() };
-        DVec4::from(render(&orthographic(), SIZE, &points, &colors, &Method::Hybrid(hybrid)).unwrap().rgba[on])
+        DVec4::from(
+            render(View::new(&orthographic(), SIZE), &points, &colors, &Method::Hybrid(hybrid)).unwrap().rgba[on],
+        )
     };
     let at = |index: u32| Fragment {
         z: -points.positions[index as usize].z,
@@ -146,7 +148,7 @@ fn images_of_approximations() {
         ..Points::default()
     };
     let discs = Discs::default();
-    let of = |method| render(&orthographic(), SIZE, &points, &COLORS, &method);
+    let of = |method| render(View::new(&orthographic(), SIZE), &points, &COLORS, &method);
     assert_eq!(of(Method::ABuffer(discs)), None);
     let on = 4 * 9 + 4;
     let picture = of(Method::Unsorted(discs)).unwrap();

@@ -62,7 +62,8 @@ fn points(positions: &[DVec3], radii: &[f32], normals: Option<Vec<Vec3>>, fields
 #[test]
 fn equal_points_meet_on_their_bisector() {
     let pair = points(&[DVec3::new(-1.0, 0.0, -5.0), DVec3::new(1.0, 0.0, -5.0)], &[3.0; 2], None, &[]);
-    let picture = splats::render(&orthographic(), SIZE, &pair, &COLORS[..2], Shape::Disc, &BlendedSplats::default());
+    let picture =
+        splats::render(View::new(&orthographic(), SIZE), &pair, &COLORS[..2], Shape::Disc, &BlendedSplats::default());
     for y in 3..6 {
         let [red, green, _, a] = picture.rgba[y * 9 + 4];
         assert!((red - 0.5).abs() < ROUNDING && (green - 0.5).abs() < ROUNDING && a == 1.0, "{red} {green}");
@@ -83,9 +84,9 @@ fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
     {
         let settings = ScreenSplats { size, max_pixel_radius: most, ..ScreenSplats::default() };
         for shape in [Shape::Disc, Shape::Oriented] {
-            let drawn = splats::splat(&perspective(), SIZE, &one, 0, shape, &settings);
+            let drawn = splats::splat(View::new(&perspective(), SIZE), &one, 0, shape, &settings);
             assert_close(drawn.radius, wanted, ROUNDING);
-            let covered = splats::lists(&perspective(), SIZE, &one, shape, &settings, |_| true);
+            let covered = splats::lists(View::new(&perspective(), SIZE), &one, shape, &settings, |_| true);
             assert_eq!(covered.iter().flatten().count(), pixels, "{settings:?} {shape:?}");
             assert!(covered.iter().flatten().all(|f| (f.radius - wanted).abs() < ROUNDING));
         }
@@ -98,7 +99,7 @@ fn oriented_depths_decide_pixel_by_pixel() {
     // they blend.
     let crossing = points(&[-5.0 * DVec3::Z; 2], &[2.2, 2.2], Some(vec![tilted(45.0).as_vec3(), Vec3::ZERO]), &[]);
     let settings = BlendedSplats { blend_depth: 0.25, ..BlendedSplats::default() };
-    let picture = splats::render(&orthographic(), SIZE, &crossing, &COLORS[..2], Shape::Oriented, &settings);
+    let picture = splats::render(View::new(&orthographic(), SIZE), &crossing, &COLORS[..2], Shape::Oriented, &settings);
     let row: Vec<[f64; 4]> = (3..6).map(|x| picture.rgba[4 * 9 + x]).collect();
     assert_eq!((row[0], row[2]), ([1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]));
     assert_close(row[1][0], 0.5, ROUNDING);
@@ -140,12 +141,13 @@ fn images_of_one_layer() {
     let z = |z: f64| -z * DVec3::Z;
     let scene = points(&[z(5.0), z(9.0), z(13.0)], &[3.0, 2.0, 1.5], None, &[0.6, 0.9, 0.5]);
     let settings = OneLayer { threshold: 0.5, softness: 0.25 };
-    let picture = one_layer::render(&orthographic(), SIZE, &scene, &COLORS, &settings);
+    let picture = one_layer::render(View::new(&orthographic(), SIZE), &scene, &COLORS, &settings);
     let on = 4 * 9 + 4;
     // Green is farther behind red than its radius: opaque, and before blue.
     assert_eq!((picture.rgba[on], picture.depth[on], picture.counts[on]), ([0.25, 0.75, 0.0, 1.0], 5.0, 3));
     assert_eq!((picture.rgba[on + 3], picture.depth[on + 3]), ([0.25, 0.0, 0.0, 0.25], 5.0));
     // Above all fields everything is solid.
-    let solid = one_layer::render(&orthographic(), SIZE, &scene, &COLORS, &OneLayer { threshold: 0.9, ..settings });
+    let solid =
+        one_layer::render(View::new(&orthographic(), SIZE), &scene, &COLORS, &OneLayer { threshold: 0.9, ..settings });
     assert_eq!(solid.rgba[on], [1.0, 0.0, 0.0, 1.0]);
 }

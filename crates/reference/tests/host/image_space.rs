@@ -247,7 +247,7 @@ fn the_nearest_point_that_looks_at_the_viewer_is_drawn() {
     let at = [(0.0, 0.0, 3.0), (0.2, -0.2, 2.0), (0.0, 0.0, 4.0), (2.0, 0.0, 4.0), (2.2, 0.0, 4.0), (-2.0, 0.0, 200.0)];
     let colors = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(DVec3::splat);
     let red = |normals, filters: &ImageSpace| {
-        let picture = render(&orthographic(), SIZE, &points(&at, normals), &colors, filters);
+        let picture = render(View::new(&orthographic(), SIZE), &points(&at, normals), &colors, filters);
         assert!(picture.rgba.iter().all(|rgba| rgba[3] == f64::from(u8::from(rgba[0] > 0.0))));
         [4 * 9 + 4, 4 * 9 + 6, 4 * 9 + 2].map(|pixel| (picture.rgba[pixel][0], picture.depth[pixel]))
     };
@@ -260,7 +260,7 @@ fn the_nearest_point_that_looks_at_the_viewer_is_drawn() {
     // In perspective the line to the eye decides, not the axis: 45° to the left this one is seen from behind.
     let aside = |camera: &Camera| {
         let normals = Some(vec![Vec3::new(-0.8, 0.0, 0.6)]);
-        let picture = render(camera, SIZE, &points(&[(-3.9, 0.0, 4.0)], normals), &colors[..1], &plain());
+        let picture = render(View::new(camera, SIZE), &points(&[(-3.9, 0.0, 4.0)], normals), &colors[..1], &plain());
         picture.counts.iter().sum::<u32>()
     };
     assert_eq!([aside(&orthographic()), aside(&perspective())], [1, 0]);
@@ -283,7 +283,7 @@ fn filters_run_in_their_order_and_as_often_as_asked() {
     let colors: Vec<DVec3> = at.iter().map(|at| DVec3::splat(at.2)).collect();
     let filters = ImageSpace { min_layer_distance: Some(1.0), ..plain() };
     let shown = |filters: ImageSpace| {
-        let picture = render(&orthographic(), SIZE, &points(&at, None), &colors, &filters);
+        let picture = render(View::new(&orthographic(), SIZE), &points(&at, None), &colors, &filters);
         [4 * 9 + 3, 4 * 9 + 5, 4 * 9 + 4].map(|pixel| picture.rgba[pixel][0])
     };
     assert_eq!(shown(filters), [0.0, 9.0, 5.0]);

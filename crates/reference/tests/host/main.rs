@@ -9,7 +9,7 @@ use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
 use pellucid_reference::abuffer::{Composite, Fragment, composite, depth_margin, lists, lists_at};
 use pellucid_reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
-use pellucid_reference::{ReferencePicture, abuffer, scan, shading, sorted};
+use pellucid_reference::{ReferencePicture, View, abuffer, scan, shading, sorted};
 use pellucid_scene::{
     ColorSpace, DiscShape, Discs, Edl, Falloff, GaussianSettings, Light, Relief, ScreenSplats, Shading, ShadingModel,
 };

@@ -110,7 +110,7 @@ fn images_follow_the_order_of_the_files() {
     };
     let of = |nodes| {
         let method = Method::Mlab(Mlab { nodes, ..Mlab::default() });
-        render(&orthographic(), SIZE, &points, &COLORS, &method).unwrap()
+        render(View::new(&orthographic(), SIZE), &points, &COLORS, &method).unwrap()
     };
     let on = 4 * 9 + 4;
     assert_eq!((of(1).rgba[on], of(1).depth[on], of(1).counts[on]), ([0.5, 0.125, 0.25, 0.875], 3.0, 3));

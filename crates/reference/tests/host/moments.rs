@@ -228,7 +228,7 @@ fn images_by_moments() {
     };
     let colors = [DVec3::X, DVec3::Y, DVec3::Z];
     let method = Method::Moments(settings(MomentCount::Six, 0.0, 1e-9));
-    let picture = render(&orthographic(), SIZE, &points, &colors, &method).unwrap();
+    let picture = render(View::new(&orthographic(), SIZE), &points, &colors, &method).unwrap();
     let on = 4 * 9 + 4;
     // Three fragments are exact but for the bias.
     let found = picture.rgba[on];

@@ -17,7 +17,7 @@ fn render_moved(positions: &[DVec3], shape: Shape, settings: ScreenSplats, relie
         ..Points::default()
     };
     let colors: Vec<DVec3> = (0..positions.len()).map(|i| DVec3::splat(1.0 + i as f64)).collect();
-    opaque::render(&orthographic(), SIZE, &points, &colors, shape, &settings, relief)
+    opaque::render(View::new(&orthographic(), SIZE), &points, &colors, shape, &settings, relief)
 }
 
 #[test]

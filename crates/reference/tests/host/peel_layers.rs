@@ -41,7 +41,7 @@ fn planes_are_blended_by_their_opacities() {
     let (points, colors) = points(&scene);
     for layers in 1..=5u32 {
         let settings = PeelLayers { filters: NO_FILTER, layers };
-        let picture = render(&orthographic(), SIZE, &points, &colors, &settings);
+        let picture = render(View::new(&orthographic(), SIZE), &points, &colors, &settings);
         let shown = layers.min(3) as usize;
         // 0.5·0.5, then half of 0.25·1, then 3/8 of 0.75·0.25.
         let wanted: f64 = [0.25, 0.125, 0.375 * 0.75 * 0.25][..shown].iter().sum();
@@ -59,10 +59,11 @@ fn points_of_one_surface_are_one_layer() {
     // Four points on one pixel: 3.0 and 3.49 are one layer, 3.5 starts the next, 3.9 belongs to it.
     let at = |z| (0, 0, z, 1.0, 0.5);
     let (points, colors) = points(&[at(3.0), at(3.49), at(3.5), at(3.9)]);
-    let found = layers(&orthographic(), SIZE, &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 9 });
+    let found =
+        layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 9 });
     assert_eq!(found.iter().map(|layer| layer.depth[MIDDLE]).collect::<Vec<_>>(), [3.0, 3.5]);
     let narrow = ImageSpace { min_layer_distance: Some(0.375), ..NO_FILTER };
-    let found = layers(&orthographic(), SIZE, &points, &colors, &PeelLayers { filters: narrow, layers: 9 });
+    let found = layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: narrow, layers: 9 });
     assert_eq!(found.iter().map(|layer| layer.depth[MIDDLE]).collect::<Vec<_>>(), [3.0, 3.49, 3.9]);
 }
 
@@ -73,7 +74,7 @@ fn points_behind_a_filled_hole_are_not_lost() {
     let scene = [front, plane(6.0, 0.0, 0.5)].concat();
     let (points, colors) = points(&scene);
     let depths = |filters| {
-        let found = layers(&orthographic(), SIZE, &points, &colors, &PeelLayers { filters, layers: 9 });
+        let found = layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters, layers: 9 });
         found.iter().map(|layer| layer.depth[MIDDLE]).collect::<Vec<_>>()
     };
     assert_eq!(depths(NO_FILTER), [6.0, f64::INFINITY]);
@@ -83,7 +84,7 @@ fn points_behind_a_filled_hole_are_not_lost() {
     let (points, colors) = self::points(&[alone, vec![(0, 0, 6.0, 0.25, 1.0)]].concat());
     let picture = |fill, occlusion| {
         let filters = ImageSpace { fill, occlusion, ..NO_FILTER };
-        render(&orthographic(), SIZE, &points, &colors, &PeelLayers { filters, layers: 9 })
+        render(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters, layers: 9 })
     };
     assert_eq!(picture(0, 0).rgba[MIDDLE], [0.25, 0.25, 0.25, 1.0]);
     // The filled pixel has its neighbor's alpha.
@@ -95,19 +96,20 @@ fn points_behind_a_filled_hole_are_not_lost() {
 fn layers_end_where_there_is_background() {
     let (points, colors) = points(&[plane(3.0, 1.0, 0.5), vec![(2, 0, 5.0, 0.0, 0.5), (2, 0, 8.0, 0.0, 0.5)]].concat());
     let settings = PeelLayers { filters: NO_FILTER, layers: 9 };
-    assert_eq!(layers(&orthographic(), SIZE, &points, &colors, &settings).len(), 3);
-    let picture = render(&orthographic(), SIZE, &points, &colors, &settings);
+    assert_eq!(layers(View::new(&orthographic(), SIZE), &points, &colors, &settings).len(), 3);
+    let picture = render(View::new(&orthographic(), SIZE), &points, &colors, &settings);
     assert_eq!([picture.counts[MIDDLE], picture.counts[MIDDLE + 2], picture.counts.iter().sum()], [1, 3, 83]);
     let empty = self::points(&[]);
-    assert!(layers(&orthographic(), SIZE, &empty.0, &empty.1, &settings).is_empty());
+    assert!(layers(View::new(&orthographic(), SIZE), &empty.0, &empty.1, &settings).is_empty());
 }
 
 #[test]
 fn a_layer_that_cannot_be_seen_gives_no_depth() {
     let (points, colors) = points(&[plane(3.0, 1.0, 0.0), plane(5.0, 1.0, 0.5)].concat());
-    let picture = render(&orthographic(), SIZE, &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 4 });
+    let picture =
+        render(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 4 });
     assert_eq!((picture.depth[MIDDLE], picture.counts[MIDDLE], picture.rgba[MIDDLE][3]), (5.0, 2, 0.5));
-    let one = render(&orthographic(), SIZE, &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 1 });
+    let one = render(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 1 });
     assert_eq!((one.depth[MIDDLE], one.counts[MIDDLE], one.rgba[MIDDLE]), (f64::INFINITY, 1, [0.0; 4]));
 }
 
@@ -118,7 +120,7 @@ fn each_layer_is_softened_by_itself() {
     let bar = (-4..=4).map(|y| (0, y, 3.0, 1.0, 1.0)).collect();
     let (points, colors) = points(&[bar, plane(6.0, 0.0, 1.0)].concat());
     let filters = ImageSpace { antialias: true, ..NO_FILTER };
-    let found = layers(&orthographic(), SIZE, &points, &colors, &PeelLayers { filters, layers: 4 });
+    let found = layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters, layers: 4 });
     // All pixels have points in the first layer; the plane is the second one under the bar alone.
     assert_eq!(found.len(), 2);
     assert_eq!(found[0].rgba[MIDDLE + 1], [0.125, 0.125, 0.125, 1.0]);

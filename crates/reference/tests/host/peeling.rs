@@ -43,7 +43,7 @@ fn three() -> (Points, [DVec3; 3]) {
 fn layers_are_blended_front_to_back() {
     let (points, colors) = three();
     let on = 4 * 9 + 4;
-    let rendered = |layers| peel::render(&orthographic(), SIZE, &points, &colors, &Discs::default(), layers);
+    let rendered = |layers| peel::render(View::new(&orthographic(), SIZE), &points, &colors, &Discs::default(), layers);
     // Green lets half through, blue half of that: 1/2, 1/4, 1/8.
     for (layers, wanted, count) in [
         (0, [0.125, 0.5, 0.25, 0.875], 3),
@@ -62,9 +62,9 @@ fn a_layer_without_opacity_takes_a_layer_but_no_depth() {
     let (mut points, colors) = three();
     points.opacities[1] = 0.0;
     let on = 4 * 9 + 4;
-    let one = peel::render(&orthographic(), SIZE, &points, &colors, &Discs::default(), 1);
+    let one = peel::render(View::new(&orthographic(), SIZE), &points, &colors, &Discs::default(), 1);
     assert_eq!((one.rgba[on], one.depth[on], one.counts[on]), ([0.0; 4], f64::INFINITY, 1));
-    let two = peel::render(&orthographic(), SIZE, &points, &colors, &Discs::default(), 2);
+    let two = peel::render(View::new(&orthographic(), SIZE), &points, &colors, &Discs::default(), 2);
     assert_eq!((two.rgba[on], two.depth[on]), ([0.0, 0.0, 0.5, 0.5], 5.0));
 }
 
@@ -93,16 +93,16 @@ fn all_layers_are_the_sorted_lists_and_n_layers_their_first() {
         for shape in [DiscShape::Flat, DiscShape::Oriented] {
             for falloff in [Falloff::Flat, Falloff::Gaussian] {
                 let discs = Discs { shape, falloff, ..Discs::default() };
-                let sorted = lists(&camera, SIZE, &points, &discs);
+                let sorted = lists(View::new(&camera, SIZE), &points, &discs);
                 let longest = sorted.iter().map(Vec::len).max().unwrap();
                 assert!(longest > 8, "{longest}");
-                let unsorted = peel::fragments(&camera, SIZE, &points, &discs);
+                let unsorted = peel::fragments(View::new(&camera, SIZE), &points, &discs);
                 for layers in [0, 1, 3, 8] {
                     let most = if layers == 0 { usize::MAX } else { layers as usize };
                     for (fragments, list) in unsorted.iter().zip(&sorted) {
                         assert_eq!(peel::peel(fragments, layers), list[..list.len().min(most)]);
                     }
-                    let picture = peel::render(&camera, SIZE, &points, &colors, &discs, layers);
+                    let picture = peel::render(View::new(&camera, SIZE), &points, &colors, &discs, layers);
                     for (pixel, list) in sorted.iter().enumerate() {
                         let wanted = composite(&list[..list.len().min(most)], &colors);
                         assert_close(picture.rgba[pixel][3], wanted.alpha, ROUNDING);
@@ -110,8 +110,8 @@ fn all_layers_are_the_sorted_lists_and_n_layers_their_first() {
                         assert_eq!(picture.depth[pixel], wanted.depth);
                     }
                 }
-                let all = peel::render(&camera, SIZE, &points, &colors, &discs, 0);
-                assert_eq!(all.counts, abuffer::render(&camera, SIZE, &points, &colors, &discs).counts);
+                let all = peel::render(View::new(&camera, SIZE), &points, &colors, &discs, 0);
+                assert_eq!(all.counts, abuffer::render(View::new(&camera, SIZE), &points, &colors, &discs).counts);
             }
         }
     }

@@ -64,7 +64,7 @@ fn assert_within(picture: &ReferencePicture, ranges: &PictureRange) -> usize {
 fn of_two_points_the_nearer_one_is_seen_unless_roundings_make_them_equal() {
     let of = |apart: f64, settings: &ImageSpace| {
         let two = points(&[point(0.1, 0.1, 5.0, Vec3::X), point(-0.1, -0.1, 5.0 + apart, Vec3::Y)]);
-        image_space::ranges(&orthographic(), SIZE, &two, &colors(&two), settings)
+        image_space::ranges(View::new(&orthographic(), SIZE), &two, &colors(&two), settings)
     };
     let only = of(1e-5, &BARE);
     assert_eq!(only.rgba[MIDDLE], [1.0, 0.0, 0.0, 1.0].map(Range::only));
@@ -80,7 +80,7 @@ fn a_layer_ends_at_a_distance_that_roundings_decide() {
     let of = |apart: f64| {
         let two = points(&[point(0.1, 0.1, 5.0, Vec3::X), point(-0.1, -0.1, 5.5 + apart, Vec3::Y)]);
         let settings = PeelLayers { filters: BARE, layers: 2 };
-        let ranges = peel_layers::ranges(&orthographic(), SIZE, &two, &colors(&two), &settings);
+        let ranges = peel_layers::ranges(View::new(&orthographic(), SIZE), &two, &colors(&two), &settings);
         (ranges.counts[MIDDLE], ranges.rgba[MIDDLE][1])
     };
     assert_eq!(of(1e-4), (Range::only(2.0), Range::only(0.25)));
@@ -91,7 +91,7 @@ fn a_layer_ends_at_a_distance_that_roundings_decide() {
 #[test]
 fn rims_and_borders_are_open_as_far_as_roundings_reach() {
     let found = |splat: Splat, x: u32| {
-        let all = possible(&orthographic(), SIZE, &splat, 0..SIZE[1]);
+        let all = possible(View::new(&orthographic(), SIZE), &splat, 0..SIZE[1]);
         all.iter().find(|p| (p.x, p.y) == (x, 4)).map(|p| p.sure)
     };
     // The center of the pixel to the right is one unit from the middle.
@@ -111,7 +111,11 @@ fn rims_and_borders_are_open_as_far_as_roundings_reach() {
     assert_eq!([tilted(2.0 + 1e-4), tilted(2.0 + 1e-8), tilted(2.0 - 1e-4)], [Some(true), Some(false), None]);
     // Edge-on nothing is known but the center's pixel.
     let edge_on = oriented(-5.0 * DVec3::Z, 3.0, DVec3::X);
-    assert!(possible(&orthographic(), SIZE, &edge_on, 0..SIZE[1]).iter().all(|p| p.sure == ((p.x, p.y) == (4, 4))));
+    assert!(
+        possible(View::new(&orthographic(), SIZE), &edge_on, 0..SIZE[1])
+            .iter()
+            .all(|p| p.sure == ((p.x, p.y) == (4, 4)))
+    );
 }
 
 #[test]
@@ -119,7 +123,8 @@ fn a_splat_that_roundings_decide_moves_the_mean_by_its_share() {
     // The second one's rim is on the pixel's center: weights of 1 and e^−2.
     let of = |x: f64| {
         let two = points(&[point(0.0, 0.0, 5.0, Vec3::ZERO), point(x, 0.0, 5.0, Vec3::ONE)]);
-        splats::ranges(&orthographic(), SIZE, &two, &colors(&two), Shape::Disc, &BlendedSplats::default()).rgba[MIDDLE]
+        splats::ranges(View::new(&orthographic(), SIZE), &two, &colors(&two), Shape::Disc, &BlendedSplats::default())
+            .rgba[MIDDLE]
     };
     let share = 1.0 / (1.0 + 2f64.exp());
     let open = of(1.0)[0];
@@ -144,15 +149,15 @@ fn ranges_contain_the_exact_values_and_most_are_closed() {
     let (size, colors) = ([48, 40], colors(&all));
     let filters =
         ImageSpace { fill: 2, occlusion: 2, smooth: 2, min_layer_distance: Some(0.1), ..ImageSpace::default() };
-    let exact = image_space::render(&camera, size, &all, &colors, &filters);
-    assert_eq!(assert_within(&exact, &image_space::ranges(&camera, size, &all, &colors, &filters)), 0);
+    let exact = image_space::render(View::new(&camera, size), &all, &colors, &filters);
+    assert_eq!(assert_within(&exact, &image_space::ranges(View::new(&camera, size), &all, &colors, &filters)), 0);
     let layers = PeelLayers { filters, layers: 5 };
-    let exact = peel_layers::render(&camera, size, &all, &colors, &layers);
-    assert_eq!(assert_within(&exact, &peel_layers::ranges(&camera, size, &all, &colors, &layers)), 0);
+    let exact = peel_layers::render(View::new(&camera, size), &all, &colors, &layers);
+    assert_eq!(assert_within(&exact, &peel_layers::ranges(View::new(&camera, size), &all, &colors, &layers)), 0);
     for shape in [Shape::Disc, Shape::Square, Shape::Oriented] {
         let settings = BlendedSplats::default();
-        let exact = splats::render(&camera, size, &all, &colors, shape, &settings);
-        let wide = assert_within(&exact, &splats::ranges(&camera, size, &all, &colors, shape, &settings));
+        let exact = splats::render(View::new(&camera, size), &all, &colors, shape, &settings);
+        let wide = assert_within(&exact, &splats::ranges(View::new(&camera, size), &all, &colors, shape, &settings));
         assert!(wide < 20, "{shape:?}: {wide} pixels");
     }
     let bounds = all.bounds().unwrap();
@@ -181,8 +186,8 @@ fn points_on_a_border_are_on_one_of_two_pixels() {
     let rule = Rule { ensembles: 3, adjust: true, cos_theta: true };
     let of = |x: f64| {
         let dealt = lone(0.5, DVec3::new(x, 0.0, -5.0));
-        let ranges = spbr::ranges(&orthographic(), SIZE, &dealt, &[DVec3::ONE], &rule, 1);
-        let (exact, errors) = spbr::render(&orthographic(), SIZE, &dealt, &[DVec3::ONE], &rule, 1);
+        let ranges = spbr::ranges(View::new(&orthographic(), SIZE), &dealt, &[DVec3::ONE], &rule, 1);
+        let (exact, errors) = spbr::render(View::new(&orthographic(), SIZE), &dealt, &[DVec3::ONE], &rule, 1);
         for pixel in 0..exact.rgba.len() {
             assert!(exact.rgba[pixel].iter().zip(ranges.rgba[pixel]).all(|(v, range)| range.covers(*v, ROUNDING)));
             assert!(ranges.depth[pixel].covers(exact.depth[pixel], 0.0));

@@ -44,7 +44,7 @@ fn the_integral_is_that_of_quadrature() {
 
 #[test]
 fn a_ray_meets_a_sphere() {
-    let chord = |camera: &Camera, pixel, center| Ray::new(camera, SIZE, pixel).meet(center, 2.0);
+    let chord = |camera: &Camera, pixel, center| Ray::new(View::new(camera, SIZE), pixel).meet(center, 2.0);
     // Pixel (5, 3) is a unit to the right and one up.
     let right_and_up = chord(&orthographic(), [5, 3], DVec3::new(1.0, -0.2, 7.0)).expect("1.2 away");
     assert_close(right_and_up.distance, 1.2, ROUNDING);
@@ -52,7 +52,7 @@ fn a_ray_meets_a_sphere() {
     assert_eq!(right_and_up.middle, 7.0);
     // 4.5 units of the image plane at z = 1 are 45°: pixel (8, 4) has the slope 4/4.5.
     let through = DVec3::new(4.0 / 4.5, 0.0, 1.0);
-    let ray = Ray::new(&perspective(), SIZE, [8, 4]);
+    let ray = Ray::new(View::new(&perspective(), SIZE), [8, 4]);
     assert_close(ray.stretch, through.length(), ROUNDING);
     let Chord { distance, middle, half } = ray.meet(3.0 * through, 2.0).expect("through the center");
     assert_close(distance, 0.0, 1e-9);
@@ -60,7 +60,7 @@ fn a_ray_meets_a_sphere() {
     assert_close(half, 2.0, ROUNDING);
     // d < r, so that a touching ray misses, and a point of no size is never met.
     assert_eq!(chord(&orthographic(), [4, 4], DVec3::new(2.0, 0.0, 5.0)), None);
-    assert_eq!(Ray::new(&orthographic(), SIZE, [4, 4]).meet(5.0 * DVec3::Z, 0.0), None);
+    assert_eq!(Ray::new(View::new(&orthographic(), SIZE), [4, 4]).meet(5.0 * DVec3::Z, 0.0), None);
 }
 
 fn with_density(density: Density) -> Soft {

@@ -19,7 +19,7 @@ pub(super) fn spheres(all: &[(DVec3, f32, Vec3)]) -> Points {
 
 pub(super) fn scene<'a>(camera: &'a Camera, points: &'a Points, colors: &'a [DVec3], method: Method) -> Scene<'a> {
     let model = Model::new(method.as_soft().expect("a soft method"), points);
-    Scene { camera, size: SIZE, points, colors, model }
+    Scene { view: View::new(camera, SIZE), points, colors, model }
 }
 
 pub(super) fn colors(points: &Points) -> Vec<DVec3> {

@@ -32,7 +32,7 @@ fn crossing_discs_keep_their_places_and_their_own_depths() {
     // z = 5 + x on the first, 5.5 − x on the second: they cross at x = 0.25, to the right of which the second is
     // nearer.
     let points = two([5.0, 5.5], [45.0, -45.0], 0.5);
-    let lists = sorted::lists(&orthographic(), SIZE, &points, &oriented_discs());
+    let lists = sorted::lists(View::new(&orthographic(), SIZE), &points, &oriented_discs());
     for (column, depths) in [(3, [4.0, 6.5]), (5, [6.0, 4.5])] {
         let list = &lists[4 * 9 + column];
         assert_eq!(list.iter().map(|f| f.index).collect::<Vec<_>>(), [0, 1]);
@@ -40,8 +40,8 @@ fn crossing_discs_keep_their_places_and_their_own_depths() {
             assert_close(fragment.z, depth, 1e-6);
         }
     }
-    let picture = sorted::render(&orthographic(), SIZE, &points, &COLORS, &oriented_discs());
-    let exact = abuffer::render(&orthographic(), SIZE, &points, &COLORS, &oriented_discs());
+    let picture = sorted::render(View::new(&orthographic(), SIZE), &points, &COLORS, &oriented_discs());
+    let exact = abuffer::render(View::new(&orthographic(), SIZE), &points, &COLORS, &oriented_discs());
     // Red 0.5, green 0.5·0.5 on both sides; exactly it is the other way round on the right.
     for column in [3, 5] {
         let [red, green, _, alpha] = picture.rgba[4 * 9 + column];
@@ -71,8 +71,8 @@ fn flat_discs_equal_the_order_of_fragments() {
     for camera in [orthographic(), perspective()] {
         for falloff in [Falloff::Flat, Falloff::Gaussian] {
             let discs = Discs { falloff, ..Discs::default() };
-            let found = sorted::lists(&camera, SIZE, &points, &discs);
-            let wanted = lists(&camera, SIZE, &points, &discs);
+            let found = sorted::lists(View::new(&camera, SIZE), &points, &discs);
+            let wanted = lists(View::new(&camera, SIZE), &points, &discs);
             assert!(found.iter().map(Vec::len).max() > Some(2), "lists with an order");
             for (found, wanted) in found.iter().zip(&wanted) {
                 assert_eq!(
@@ -80,8 +80,8 @@ fn flat_discs_equal_the_order_of_fragments() {
                     wanted.iter().map(|f| (f.z, f.index)).collect::<Vec<_>>()
                 );
             }
-            let found = sorted::render(&camera, SIZE, &points, &colors, &discs);
-            let wanted = abuffer::render(&camera, SIZE, &points, &colors, &discs);
+            let found = sorted::render(View::new(&camera, SIZE), &points, &colors, &discs);
+            let wanted = abuffer::render(View::new(&camera, SIZE), &points, &colors, &discs);
             for (a, b) in found.rgba.iter().flatten().zip(wanted.rgba.iter().flatten()) {
                 assert_close(*a, *b, ROUNDING);
             }
@@ -96,6 +96,6 @@ fn gaussian_falloff_of_sorted_discs() {
     points.normals = None;
     let discs = Discs { falloff: Falloff::Gaussian, ..Discs::default() };
     // ρ = 1/2: exp(−1/2).
-    let lists = sorted::lists(&orthographic(), SIZE, &points, &discs);
+    let lists = sorted::lists(View::new(&orthographic(), SIZE), &points, &discs);
     assert_close(lists[4 * 9 + 6][1].alpha, f64::from(0.8f32) * (-0.5f64).exp(), ROUNDING);
 }

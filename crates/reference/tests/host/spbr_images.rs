@@ -94,7 +94,7 @@ fn covered(camera: &Camera, points: &[DVec3], center: DVec3, adjust: bool) -> (V
     let mut dealt = dealt(&[(points.to_vec(), 0.0, 1.0)]);
     dealt.surfaces[0].center = center;
     let rule = Rule { ensembles: 1, adjust, cos_theta: true };
-    let (picture, _) = render(camera, SIZE, &dealt, &white(&dealt), &rule, 0);
+    let (picture, _) = render(View::new(camera, SIZE), &dealt, &white(&dealt), &rule, 0);
     let at = |i: usize| (i as u32 % SIZE[0], i as u32 / SIZE[0]);
     ((0..81).filter(|&i| picture.rgba[i][3] > 0.0).map(at).collect(), picture)
 }
@@ -131,7 +131,7 @@ fn the_nearest_point_wins_and_of_equal_ones_the_first() {
     let at = |z: f64| DVec3::new(0.0, 0.0, -z);
     let dealt = dealt(&[(vec![at(3.0), at(2.0)], 0.0, 1.0), (vec![at(2.0), at(5.0)], 0.0, 1.0)]);
     let colors = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE];
-    let (picture, stderr) = render(&camera, SIZE, &dealt, &colors, &rule(1), 0);
+    let (picture, stderr) = render(View::new(&camera, SIZE), &dealt, &colors, &rule(1), 0);
     let middle = 4 * 9 + 4;
     assert_eq!(picture.rgba[middle], [0.0, 1.0, 0.0, 1.0]);
     assert_eq!((picture.depth[middle], picture.counts[middle]), (2.0, 4));
@@ -140,7 +140,7 @@ fn the_nearest_point_wins_and_of_equal_ones_the_first() {
     // Simplified: two ensembles of one point of each cloud: first red and blue, where blue is nearer, then green and
     // white.
     let halves = Rule { ensembles: 2, adjust: false, cos_theta: true };
-    let (picture, stderr) = render(&camera, SIZE, &dealt, &colors, &halves, 0);
+    let (picture, stderr) = render(View::new(&camera, SIZE), &dealt, &colors, &halves, 0);
     assert_eq!(picture.rgba[middle], [0.0, 0.5, 0.5, 1.0]);
     // 0 and 1: variance 1/2, over two.
     assert_eq!(stderr[middle], DVec3::new(0.0, 0.5, 0.5));
@@ -154,12 +154,13 @@ fn shares() {
     let surface = &hundred.surfaces[0];
     // 4.5 / 2 pixels per unit: 5 · (2/4.5)² = 0.988 points over a pixel, of which 0.693 are wanted.
     let most = 5.0 * (2.0 / 4.5f64).powi(2);
-    let found = share(&camera, 9, &hundred, surface, &rule(20));
+    let found = share(View::new(&camera, SIZE), &hundred, surface, &rule(20));
     assert_close(found.ratio, 20.0 * 2f64.ln() / most, ROUNDING);
     assert_close(found.unit, 2f64.ln(), ROUNDING);
     assert_eq!((found.depth, found.slots), (2.0, 1404));
     let of = |density: f64, opacity: f32, rule: Rule| {
-        let found = share(&camera, 9, &hundred, &CloudSurface { density, opacity, ..surface.clone() }, &rule);
+        let found =
+            share(View::new(&camera, SIZE), &hundred, &CloudSurface { density, opacity, ..surface.clone() }, &rule);
         (found.ratio, found.slots, found.unit)
     };
     // More than L is L; opaque surfaces and those without a density have all points in all ensembles.
@@ -179,7 +180,7 @@ fn a_cloud_around_the_camera_has_the_depth_of_its_part_before_it() {
     let camera = perspective();
     let depth = |z: [f64; 2]| {
         let dealt = dealt(&[(z.map(|z| -z * DVec3::Z).to_vec(), 5.0, 0.5)]);
-        share(&camera, 9, &dealt, &dealt.surfaces[0], &rule(20)).depth
+        share(View::new(&camera, SIZE), &dealt, &dealt.surfaces[0], &rule(20)).depth
     };
     assert_eq!(depth([4.0, 8.0]), 6.0);
     assert_eq!(depth([-20.0, 8.0]), 4.0);
@@ -193,7 +194,7 @@ fn a_white_plane_shows_its_opacity_whatever_the_number_of_points() {
         [(50, 100.0, 0.5, 1), (100, 10.0, 0.3, 2), (100, 3.5, 0.5, 3), (50, 5.0, 0.9, 4), (1, 8.0, 0.6, 5)]
     {
         let dealt = dealt(&[(plane(per_pixel, 5.0, seed), per_pixel, alpha)]);
-        let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 0);
+        let (picture, _) = render(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(ensembles), 0);
         assert_opacity(&picture, f64::from(alpha));
         assert!(picture.rgba.iter().all(|c| c[0] == c[3]), "white on black");
     }
@@ -205,8 +206,9 @@ fn a_slanted_plane_is_more_opaque_unless_that_is_taken_back() {
     // Turned about the vertical: half as wide in the image, so that its own plane needs twice the width.
     let turn = |p: &DVec3| DVec3::new(p.x, p.y, -30.0 + p.x * sin / cos);
     let mut dealt = dealt(&[(plane(40.0, 0.0, 6).iter().map(turn).collect(), 20.0, 0.3)]);
-    let with =
-        |cos_theta, dealt: &Dealt| render(&wide(), WIDE, dealt, &white(dealt), &Rule { cos_theta, ..rule(60) }, 9).0;
+    let with = |cos_theta, dealt: &Dealt| {
+        render(View::new(&wide(), WIDE), dealt, &white(dealt), &Rule { cos_theta, ..rule(60) }, 9).0
+    };
     assert_opacity(&with(true, &dealt), slanted(0.3, 0.5));
     // Without normals nothing is known of the slant.
     assert_eq!(with(false, &dealt), with(true, &dealt));
@@ -221,7 +223,7 @@ fn two_planes_are_as_if_blended() {
     let dealt = dealt(&[(plane(12.0, 4.0, 7), 12.0, 0.3), (plane(20.0, 6.0, 8), 20.0, 0.6)]);
     let front = dealt.surfaces[0].points.end as usize;
     let colors: Vec<DVec3> = (0..dealt.points.len()).map(|i| if i < front { DVec3::X } else { DVec3::Y }).collect();
-    let (picture, _) = render(&wide(), WIDE, &dealt, &colors, &rule(60), 0);
+    let (picture, _) = render(View::new(&wide(), WIDE), &dealt, &colors, &rule(60), 0);
     let (color, alpha) = over((0.3 * DVec3::X, 0.3), (0.6 * DVec3::Y, 0.6));
     assert_opacity(&picture, alpha);
     for (channel, wanted) in color.to_array().into_iter().enumerate() {
@@ -242,7 +244,7 @@ fn opacity_does_not_depend_on_the_distance() {
         // Per world area; a pixel at the center is (4 / 32)² large.
         let mut dealt = dealt(&[(points, 30.0 / (scale * scale), 0.4)]);
         dealt.surfaces[0].center = -4.0 * DVec3::Z;
-        let (picture, _) = render(&camera, WIDE, &dealt, &white(&dealt), &rule(200), 1);
+        let (picture, _) = render(View::new(&camera, WIDE), &dealt, &white(&dealt), &rule(200), 1);
         let spread = if z < 4.0 { 2.0 } else { 1.0 };
         // Squares of several pixels make neighbors alike, and so the error of the mean larger.
         let (found, error) = (mean(&picture), spread * error(&picture));
@@ -254,17 +256,17 @@ fn opacity_does_not_depend_on_the_distance() {
 fn points_weigh_as_much_as_their_own_opacity() {
     let mut dealt = dealt(&[(plane(30.0, 5.0, 10), 30.0, 0.6)]);
     Arc::make_mut(&mut dealt.points).opacities.fill(0.25);
-    let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(40), 2);
+    let (picture, _) = render(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(40), 2);
     assert_opacity(&picture, 0.25);
     // An opaque point uses all points.
     Arc::make_mut(&mut dealt.points).opacities.fill(1.0);
     dealt.surfaces[0].opacity = 1.0;
     Arc::make_mut(&mut dealt.points).opacities[..1000].fill(0.25);
-    let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(3), 2);
+    let (picture, _) = render(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(3), 2);
     assert!(mean(&picture) > 0.999, "{}", mean(&picture));
     // Not so in the simplified method: 30 points in 40 ensembles.
     let simple = Rule { adjust: false, ..rule(40) };
-    let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &simple, 2);
+    let (picture, _) = render(View::new(&wide(), WIDE), &dealt, &white(&dealt), &simple, 2);
     assert_opacity(&picture, opacity(30.0 / 40.0));
 }
 
@@ -276,10 +278,10 @@ fn the_mean_tends_to_points_blended_front_to_back() {
     Arc::make_mut(&mut dealt.points).opacities.iter_mut().take(207_360).step_by(4).for_each(|alpha| *alpha = 0.16);
     Arc::make_mut(&mut dealt.points).positions.iter_mut().enumerate().for_each(|(i, p)| p.z -= 1e-6 * i as f64);
     let colors: Vec<DVec3> = (0..dealt.points.len()).map(|i| DVec3::new(1.0, (i % 3) as f64, 0.0)).collect();
-    let exact = limit(&wide(), WIDE, &dealt, &colors, &rule(1));
+    let exact = limit(View::new(&wide(), WIDE), &dealt, &colors, &rule(1));
     let mut previous = f64::INFINITY;
     for ensembles in [25, 100, 400] {
-        let (picture, stderr) = render(&wide(), WIDE, &dealt, &colors, &rule(ensembles), 3);
+        let (picture, stderr) = render(View::new(&wide(), WIDE), &dealt, &colors, &rule(ensembles), 3);
         let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
         let said = stderr.iter().map(|e| e.x * e.x).sum::<f64>() / AREA;
         // No point is dealt twice before all were once, so that the error is a little less than is said.
@@ -291,7 +293,7 @@ fn the_mean_tends_to_points_blended_front_to_back() {
 /// The mean square of what a plane of so many points over each pixel is off its opacity, times the number of ensembles.
 fn noise(per_pixel: f64, alpha: f32, ensembles: u32) -> f64 {
     let dealt = dealt(&[(plane(per_pixel, 5.0, 14), per_pixel, alpha)]);
-    let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 0);
+    let (picture, _) = render(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(ensembles), 0);
     let squares = picture.rgba.iter().map(|c| (c[3] - f64::from(alpha)).powi(2)).sum::<f64>() / AREA;
     squares * f64::from(ensembles)
 }
@@ -314,11 +316,11 @@ fn copies_add_no_noise_but_that_of_the_points() {
 #[test]
 fn ensembles_of_copies_tend_to_the_limit_too() {
     let dealt = dealt(&[(plane(4.0, 4.0, 15), 4.0, 0.5)]);
-    let exact = limit(&wide(), WIDE, &dealt, &white(&dealt), &rule(1));
+    let exact = limit(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(1));
     let mut errors = Vec::new();
     // k = 4.3, 17, 69.
     for ensembles in [25, 100, 400] {
-        let (picture, stderr) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 5);
+        let (picture, stderr) = render(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(ensembles), 5);
         let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
         let said = stderr.iter().map(|e| e.x * e.x).sum::<f64>() / AREA;
         // Hands of a pass have nothing in common, so that the error is less than is said.
@@ -329,7 +331,7 @@ fn ensembles_of_copies_tend_to_the_limit_too() {
     // Dealt in the same order again and again, they are no better than the first pass.
     let again = |deal: &Deal, e: u32| deal.slots(e).map(|slot| slot % deal.points).collect();
     let same = |deal: &Deal| (0..deal.ensembles).map(|e| again(deal, e)).collect();
-    let (picture, _) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(400), 5, same);
+    let (picture, _) = render_with(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(400), 5, same);
     let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
     assert!(squares > 3.0 * errors[2], "{squares}, {errors:?}");
 }
@@ -340,7 +342,7 @@ fn judge(hand: impl Fn(&Deal, u32) -> Vec<u64>) -> Result<(), String> {
     let (ensembles, alpha) = (10u32, 0.5f32);
     let dealt = dealt(&[(plane(200.0, 5.0, 11), 200.0, alpha)]);
     let hands = |deal: &Deal| (0..deal.ensembles).map(|e| hand(deal, e)).collect();
-    let (picture, stderr) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 0, hands);
+    let (picture, stderr) = render_with(View::new(&wide(), WIDE), &dealt, &white(&dealt), &rule(ensembles), 0, hands);
     let alpha = f64::from(alpha);
     let variance = alpha * (1.0 - alpha) / f64::from(ensembles);
     let off = picture.rgba.iter().map(|c| (c[3] - alpha).powi(2)).sum::<f64>() / AREA;

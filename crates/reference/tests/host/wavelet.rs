@@ -120,7 +120,7 @@ fn images_by_wavelets() {
         ..Points::default()
     };
     let method = Method::Wavelet(Wavelet::default());
-    let picture = render(&orthographic(), SIZE, &points, &[DVec3::X, DVec3::Y], &method).unwrap();
+    let picture = render(View::new(&orthographic(), SIZE), &points, &[DVec3::X, DVec3::Y], &method).unwrap();
     let on = 4 * 9 + 4;
     // Two fragments are exact: they lie at the first and the last edge. That of the opaque one counts e⁻¹⁰ behind it
     // alone.

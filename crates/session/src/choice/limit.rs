@@ -11,7 +11,8 @@ use pellucid_scene::prepare::Arranged;
 pub fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
     let (Arranged::Dealt(dealt), Method::Spbr(settings)) = (arranged, frame.method) else { return None };
     let colors = shade(&dealt.points, &frame.camera, &frame.shading, frame.color);
-    Some(image_of(&spbr::limit(&frame.camera, frame.size, dealt, &colors, &settings.into())))
+    let view = pellucid_reference::View::new(&frame.camera, frame.size);
+    Some(image_of(&spbr::limit(view, dealt, &colors, &settings.into())))
 }
 
 /// Returns a picture of the reference as an image, rounded to float32.

@@ -3,10 +3,8 @@
 mod known;
 
 use self::known::{Layer, bound, dots, known};
-use super::naive;
-use super::stage::{COLORS, COMPENSATED, Dot, HALF_ULP, composed};
-use super::{Case, CaseRenderer, CaseResult, Finding, one};
-use pellucid_scene::{Hybrid, Method, MomentCount, Moments, Tail, Wavelet};
+use super::prelude::*;
+use pellucid_scene::{MomentCount, Moments, Tail, Wavelet};
 
 /// Depths of the near and far plane of [`super::stage::pixels`].
 const RANGE: [f32; 2] = [0.5, 1e7];
@@ -144,8 +142,7 @@ fn naive_pixel(dots: &[Dot], method: &Method) -> [f32; 4] {
 }
 
 fn found(stage: &mut CaseRenderer, method: Method, dots: &[Dot], wanted: [f64; 4], bound: f64) -> CaseResult {
-    let found = stage.pixel(dots, method)?;
-    Ok(Finding::apart(&found, &naive_pixel(dots, &method), &wanted, bound))
+    stage.compare(dots, method, &naive_pixel(dots, &method), &wanted, bound)
 }
 
 /// Light before all of them is the same, so that it does not matter how much it is.
@@ -153,7 +150,7 @@ fn at_one_depth(stage: &mut CaseRenderer, method: Method, opacity: f32) -> CaseR
     let layers: Vec<Layer> = COLORS.map(|color| Layer { depth: 7.0, color, opacity, count: 2000 }).into();
     let dots = dots(&layers);
     let alpha = composed(&dots)[3];
-    let mean = COLORS.iter().map(|color| color.as_dvec3()).sum::<glam::DVec3>() / 5.0;
+    let mean = COLORS.iter().map(|color| color.as_dvec3()).sum::<DVec3>() / 5.0;
     found(stage, method, &dots, (alpha * mean).extend(alpha).to_array(), COMPENSATED)
 }
 
@@ -197,10 +194,9 @@ fn faint_tail(stage: &mut CaseRenderer, moments: MomentCount) -> CaseResult {
     let alone = Method::Moments(Moments { moments, ..Moments::default() });
     let before = |behind: glam::DVec4| 0.5 * front.color.as_dvec3().extend(1.0) + 0.5 * behind;
     let method = Method::Hybrid(Hybrid { k: 1, tail: Tail::Moments, moments, ..Hybrid::default() });
-    let found = stage.pixel(&dots(&[&[front], &tail[..]].concat()), method)?;
     let wanted = before(known(&tail, RANGE, &alone).into()).to_array();
     let naive = before(glam::Vec4::from(naive_pixel(&dots(&tail), &alone)).as_dvec4());
     // Three roundings more: of a product, a sum, and the rest of the light.
     let bound = 0.5 * bound(&tail, RANGE, &alone) + 3.0 * HALF_ULP;
-    Ok(Finding::apart(&found, &naive.as_vec4().to_array(), &wanted, bound))
+    stage.compare(&dots(&[&[front], &tail[..]].concat()), method, &naive.as_vec4().to_array(), &wanted, bound)
 }

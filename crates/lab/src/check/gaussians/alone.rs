@@ -3,7 +3,6 @@
 //! The error is a difference of opacity or depth from float64 over the most that is derived for that pixel, so that the
 //! bound is 1.
 
-use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
 use super::splats::{Splat, SplatView, cloud};
 use crate::check::prelude::*;
@@ -64,13 +63,15 @@ impl Expected {
         let (camera, size) = (&view.camera, view.size);
         let at = |x: u32, y: u32| (y * size[0] + x) as usize;
         let mut pixels = vec![None; (size[0] * size[1]) as usize];
-        for possible in gaussians::possible(camera, size, &gaussian, &view.settings, order, 0..size[1]) {
+        for possible in gaussians::possible(View::new(camera, size), &gaussian, &view.settings, order, 0..size[1]) {
             // A list of one.
             let alpha = possible.alpha.widened(roundings(method, 1) * HALF_ULP * possible.alpha.high);
             let known = Known { exact: None, alpha, depth: possible.z, sure: possible.sure };
             pixels[at(possible.x, possible.y)] = Some(known);
         }
-        for Hit { x, y, alpha, z, .. } in gaussians::footprint(camera, size, &gaussian, &view.settings, order) {
+        for Hit { x, y, alpha, z, .. } in
+            gaussians::footprint(View::new(camera, size), &gaussian, &view.settings, order)
+        {
             // A pixel that the ranges lack is an error of theirs, and no image passes it.
             let nothing = Known { exact: None, alpha: Range::only(f64::NAN), depth: Range::only(f64::NAN), sure: true };
             pixels[at(x, y)].get_or_insert(nothing).exact = Some((alpha, z));

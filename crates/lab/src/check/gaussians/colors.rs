@@ -1,6 +1,5 @@
 //! Colors of splats: harmonics, and values that no display has.
 
-use super::super::discs::roundings;
 use super::alone::Shares;
 use super::before;
 use super::shapes::some;

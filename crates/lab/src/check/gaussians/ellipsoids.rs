@@ -1,6 +1,5 @@
 //! Ellipsoids of constant density along one ray.
 
-use super::super::discs::roundings;
 use super::splats::{Splat, SplatView, cloud};
 use crate::check::prelude::*;
 use pellucid_scene::Kernel;

@@ -1,6 +1,5 @@
 //! The least and the most opacity of a fragment, and centers that are not drawn.
 
-use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, projected};
 use super::super::naive::over_until;
 use super::alone::Shares;

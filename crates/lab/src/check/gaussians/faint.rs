@@ -1,6 +1,5 @@
 //! Very many faint splats in a pixel.
 
-use super::super::discs::roundings;
 use super::splats::{Splat, SplatView, cloud};
 use crate::check::prelude::*;
 

@@ -12,7 +12,6 @@ pub(super) mod splats;
 mod together;
 
 use super::discs::exact_coverage;
-use super::lists::{approximations, exact, with_peel};
 use crate::check::prelude::*;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -30,8 +29,8 @@ fn shapes() -> Vec<Case> {
         each(&methods, "gaussian-wide", shapes::wide).about("centers far outside the image: J goes no farther than 1.3 times its border"),
         each(&methods, "gaussian-orthographic", shapes::parallel).about("parallel rays, by both kernels, over what is allowed"),
         each(&methods, "gaussian-through-the-eye", shapes::through_the_eye).about("rays in splats that reach behind the eye: cut at near, over what is allowed"),
-        each(&methods, "gaussian-units-1e-8", scales::tiny).about("a scene of the size 1e-7, by both kernels, over what is allowed"),
-        each(&methods, "gaussian-units-1e6", scales::large).about("a scene of the size 1e7, by both kernels, over what is allowed"),
+        each(&methods, "gaussian-units-1e-8", |stage, method| scales::in_units(stage, method, 1e-8)).about("a scene of the size 1e-7, by both kernels, over what is allowed"),
+        each(&methods, "gaussian-units-1e6", |stage, method| scales::in_units(stage, method, 1e6)).about("a scene of the size 1e7, by both kernels, over what is allowed"),
         each(&methods, "gaussian-georeferenced", scales::far).about("splats of a centimeter at 5e6, by both kernels, over what is allowed"),
         each(&methods, "gaussian-dilation", scales::dilated).about("dilations of 900 and of 1e25 px², over what is allowed"),
         each(&methods, "gaussian-antialias", scales::subpixel).about("splats of 0.004 to 1 pixels with antialias, over what is allowed"),

@@ -2,7 +2,6 @@
 
 use glam::Quat;
 
-use super::super::naive::bytes_apart as pixel_bytes;
 use super::super::stage;
 use super::alone::Shares;
 use super::before;
@@ -46,7 +45,7 @@ pub(super) fn ties(stage: &mut CaseRenderer, method: Method) -> CaseResult {
         let dots: Vec<Dot> = splats.iter().map(|splat| dot(-splat.position.z, splat.base, splat.opacity)).collect();
         [over(&dots)]
     };
-    let naive = pixel_bytes(&arrived(&splats), &arrived(&other));
+    let naive = bytes_between(&arrived(&splats), &arrived(&other));
     Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive))
 }
 

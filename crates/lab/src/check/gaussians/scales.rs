@@ -19,17 +19,9 @@ fn scene() -> Vec<Splat> {
 
 /// Checks the scene in other units. The determinant of a covariance is a product of six lengths: too small or too large
 /// for float32.
-fn in_units(stage: &mut CaseRenderer, method: Method, unit: f64) -> CaseResult {
+pub(super) fn in_units(stage: &mut CaseRenderer, method: Method, unit: f64) -> CaseResult {
     let splats: Vec<Splat> = scene().iter().map(|splat| splat.scaled(unit)).collect();
     by_both(stage, method, before(10.0 * unit, 45.0), &splats, 500)
-}
-
-pub(super) fn tiny(stage: &mut CaseRenderer, method: Method) -> CaseResult {
-    in_units(stage, method, 1e-8)
-}
-
-pub(super) fn large(stage: &mut CaseRenderer, method: Method) -> CaseResult {
-    in_units(stage, method, 1e6)
 }
 
 pub(super) fn far(stage: &mut CaseRenderer, method: Method) -> CaseResult {

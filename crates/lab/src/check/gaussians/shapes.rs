@@ -2,7 +2,6 @@
 
 use glam::{DVec2, Quat};
 
-use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, Seen, along_rays, projected};
 use super::alone::{Expected, Known, Shares, alone, compared};
 use super::before;
@@ -62,7 +61,7 @@ pub(super) fn needles(stage: &mut CaseRenderer, method: Method) -> CaseResult {
 /// pixel and eight of its products. What 8 u of the length L adds across the needle, its variance gains.
 fn along_an_axis(view: &SplatView, splat: &Splat, method: &Method) -> Option<Expected> {
     let gaussian = gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
-    let placed = PlacedGaussian::new(&view.camera, view.size, &gaussian)?;
+    let placed = PlacedGaussian::new(View::new(&view.camera, view.size), &gaussian)?;
     let screen = ewa::Projected::new(&placed, &view.settings);
     let long = screen.columns[0];
     let thin = screen.columns[1].length().hypot(screen.columns[2].length());
@@ -81,16 +80,11 @@ fn along_an_axis(view: &SplatView, splat: &Splat, method: &Method) -> Option<Exp
         let alpha = screen.opacity * (-0.5 * rho2).exp();
         let high = (alpha * (0.5 * of_rho2).exp() * (1.0 + of_alpha)).min(most);
         let low = (alpha * (-0.5 * of_rho2).exp() * (1.0 - of_alpha)).min(most);
-        let exact = (alpha >= least).then_some((alpha.min(most), placed_depth(view, splat)));
+        let exact = (alpha >= least).then_some((alpha.min(most), view.camera.to_view(splat.position).z));
         let range = Range { low: low.max(least), high };
         (high >= least).then_some(Known { exact, alpha: range, depth, sure: low >= least })
     };
     Some(Expected(view.pixels().map(known).collect()))
-}
-
-/// The depth of a splat's center.
-fn placed_depth(view: &SplatView, splat: &Splat) -> f64 {
-    view.camera.to_view(splat.position).z
 }
 
 pub(super) fn by_ray(stage: &mut CaseRenderer, method: Method) -> CaseResult {

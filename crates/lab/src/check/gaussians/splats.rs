@@ -95,7 +95,7 @@ impl SplatView {
     pub fn frame(&self, method: Method) -> Frame {
         let method = method.with_keys(&self.settings.keys());
         debug_assert_eq!(method.discs().map(|discs| discs.gaussians), Some(self.settings), "no setting is refused");
-        Frame { color: ColorSpace::Encoded, ..frame(self.camera, self.size, method) }
+        Frame { color: ColorSpace::Encoded, ..Frame::new(self.camera, self.size, method) }
     }
 
     /// Returns the pixels, row by row.

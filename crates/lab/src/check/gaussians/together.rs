@@ -3,7 +3,6 @@
 //! The error is a difference of color or opacity from float64 over the most that is derived for that pixel, so that the
 //! bound is 1.
 
-use super::super::discs::roundings;
 use super::splats::SplatView;
 use pellucid_reference::range::Range;
 use pellucid_reference::{abuffer, coverage, gaussians, shading};
@@ -29,7 +28,7 @@ impl Float64Scene<'_> {
         let Self { view: SplatView { camera, size, settings }, points, color } = self;
         let colors: Vec<DVec3> = shading::shade(points, camera, &Shading::NONE, *color);
         let discs = Discs { gaussians: *settings, ..Discs::default() };
-        abuffer::render(camera, *size, points, &colors, &discs).rgba
+        abuffer::render(View::new(camera, *size), points, &colors, &discs).rgba
     }
 
     /// The fragments that each pixel may have: what they are ordered by, their opacity, and whether they are there for
@@ -40,16 +39,16 @@ impl Float64Scene<'_> {
         let mut lists = vec![Vec::new(); (size[0] * size[1]) as usize];
         for index in 0..self.points.len() {
             if let Some(gaussian) = gaussians::gaussian(self.points, index) {
-                for found in gaussians::possible(camera, *size, &gaussian, settings, order, 0..size[1]) {
+                for found in gaussians::possible(View::new(camera, *size), &gaussian, settings, order, 0..size[1]) {
                     lists[(found.y * size[0] + found.x) as usize].push((found.key, found.alpha, found.sure));
                 }
                 continue;
             }
             let splat = abuffer::splat(self.points, index, DiscShape::Flat);
             // To the hundredth of a pixel nobody errs.
-            let sure = coverage::margin_px(camera, *size, &splat) > 0.01;
+            let sure = coverage::margin_px(View::new(camera, *size), &splat) > 0.01;
             let opacity = Range::only(self.points.opacities[index].into());
-            for found in coverage::footprint(camera, *size, &splat) {
+            for found in coverage::footprint(View::new(camera, *size), &splat) {
                 lists[(found.y * size[0] + found.x) as usize].push((Range::depth(found.z), opacity, sure));
             }
         }

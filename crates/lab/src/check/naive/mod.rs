@@ -52,12 +52,6 @@ pub fn peel(dots: &[Dot], distance: f32, tolerance: f32, most: u32) -> ([f32; 4]
     (over(&layers), layers.len() as u32)
 }
 
-/// Bytes in which two lists of pixels differ.
-pub fn bytes_apart(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
-    let (a, b) = (bytemuck::cast_slice::<_, u8>(a), bytemuck::cast_slice::<_, u8>(b));
-    (a.iter().zip(b).filter(|(a, b)| a != b).count() + a.len().abs_diff(b.len())) as f64
-}
-
 #[derive(Clone, Copy)]
 struct Node {
     depth: f32,

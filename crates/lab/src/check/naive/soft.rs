@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::check::stage::Dot;
 use pellucid_core::camera::Camera;
+use pellucid_reference::View;
 use pellucid_reference::soft::Ray;
 
 /// Soft spheres (Seemann et al. 2018) as the paper writes them: the ray by b² − c, Eq. 5 to 7 with a difference of two
@@ -34,7 +35,7 @@ impl Soft {
 
     /// A single pixel.
     pub fn pixel(&self, dots: &[Dot], camera: &Camera, size: [u32; 2], at: [u32; 2]) -> [f32; 4] {
-        let ray = Ray::new(camera, size, at);
+        let ray = Ray::new(View::new(camera, size), at);
         let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
         let mut spheres = Vec::new();
         for dot in dots {

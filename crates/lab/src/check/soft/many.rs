@@ -4,7 +4,6 @@ use std::f64::consts::E;
 
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::prelude::*;
-use crate::check::stage::mixed;
 use pellucid_reference::soft::{Behind, Model, Ray, Scene};
 use pellucid_scene::{Density, SoftMethod};
 
@@ -53,12 +52,13 @@ pub(super) fn solid(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult 
     let points = cloud(&[sphere]);
     let model = Model::new(method, &points);
     let colors = [sphere.color.as_dvec3()];
-    let scene = Scene { camera: &camera, size, points: &points, colors: &colors, model };
+    let view = View::new(&camera, size);
+    let scene = Scene { view, points: &points, colors: &colors, model };
     // The wall's drawn radius is 25 pixels at most: more than the image.
     let behind = |depth| Behind { color: DVec3::ZERO, alpha: 1.0, depth };
     let wanted = scene.render(|_| behind(2.0)).rgba;
     let cut_short = scene.render(|pixel| {
-        let ray = Ray::new(&camera, size, [pixel as u32 % 9, pixel as u32 / 9]);
+        let ray = Ray::new(view, [pixel as u32 % 9, pixel as u32 / 9]);
         behind(2.0 / ray.stretch)
     });
     let naive: Vec<[f32; 4]> = cut_short.rgba.iter().map(|pixel| pixel.map(|c| c as f32)).collect();
@@ -129,18 +129,16 @@ pub(super) fn along_the_axis(stage: &mut CaseRenderer, method: SoftMethod) -> Ca
     shuffled.rotate_left(77);
     shuffled[..100].reverse();
     let method = method.changed(|soft| soft.density = Density::Softness(0.02));
-    let found = stage.pixel(&shuffled, method)?;
     // Four roundings of each of a sum of at most 1.
-    Ok(Finding::apart(&found, &over(&shuffled), &wanted, 200.0 * 4.0 * HALF_ULP))
+    stage.compare(&shuffled, method, &over(&shuffled), &wanted, 200.0 * 4.0 * HALF_ULP)
 }
 
 pub(super) fn faint_discs(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let disc = |i: u32| Dot { field: 1.0, radius: 0.25, ..dot(1.0 + f64::from(i), Vec3::ONE, 1e-6) };
     let dots: Vec<Dot> = (0..10_000).map(disc).collect();
     let wanted = composed(&dots);
-    let found = stage.pixel(&dots, lambda(method, 1e-6))?;
     let bound = 10_000.0 * 4.0 * HALF_ULP * wanted[3];
-    Ok(Finding::apart(&found, &over(&dots), &wanted, bound))
+    stage.compare(&dots, lambda(method, 1e-6), &over(&dots), &wanted, bound)
 }
 
 pub(super) fn one_layer(stage: &mut CaseRenderer, method: Method) -> CaseResult {

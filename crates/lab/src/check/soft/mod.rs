@@ -5,7 +5,6 @@ mod rays;
 
 use std::f64::consts::E;
 
-use super::stage::{ULP, colors_of};
 use crate::check::prelude::*;
 use pellucid_reference::soft::{Behind, Model, Scene};
 use pellucid_scene::{Density, OneLayer, Shells, Soft, SoftMethod};
@@ -29,9 +28,10 @@ pub(super) fn cases() -> Vec<Case> {
         each(&both, "dense", rays::dense).about("lambda of 1e6: rays that pass within 1e-2 to 1e-5 of the rim"),
         each(&base, "through-centre", rays::through_center).about("d of 0 to 1e-3: d² ln d tends to 0"),
         each(&base, "grazing", rays::grazing).about("d = r (1 - 1e-4) at a depth of 1000, relative"),
-        each(&base, "thin-segment", rays::thin_segment)
+        each(&base, "thin-segment", |stage, method| rays::segment(stage, method, 8.0, 8.5))
             .about("a segment of 1e-5 r between near and a solid point, relative"),
-        each(&both, "far-segment", rays::far_segment).about("the same at a depth of 65536, relative"),
+        each(&both, "far-segment", |stage, method| rays::segment(stage, method, 65536.0, 65536.5))
+            .about("the same at a depth of 65536, relative"),
         each(&both, "inside-one", many::inside_one)
             .about("the camera inside a sphere: the part in front of near is left out"),
         each(&both, "inside-many", many::inside_many).about("the camera inside 300 spheres"),
@@ -77,10 +77,12 @@ fn opacity(depth: f64) -> f64 {
 }
 
 /// The image in float64.
-fn truth(dots: &[Dot], camera: &Camera, size: [u32; 2], method: SoftMethod) -> Vec<[f64; 4]> {
+pub(super) fn truth(dots: &[Dot], camera: &Camera, size: [u32; 2], method: SoftMethod) -> Vec<[f64; 4]> {
     let points = cloud(dots);
     let model = Model::new(method, &points);
-    Scene { camera, size, points: &points, colors: &colors_of(&points), model }.render(|_| Behind::NOTHING).rgba
+    Scene { view: View::new(camera, size), points: &points, colors: &colors_of(&points), model }
+        .render(|_| Behind::NOTHING)
+        .rgba
 }
 
 /// The largest error of an opacity: the quadrature, whose effect is at most x exp(-x) ≤ 1/e; the distance of the ray,

@@ -4,7 +4,6 @@ use std::f64::consts::{E, PI};
 
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::prelude::*;
-use crate::check::stage::ULP;
 use pellucid_reference::soft::density::antiderivative;
 use pellucid_scene::{Density, Shells, Soft, SoftLayout, SoftMethod};
 
@@ -58,7 +57,7 @@ pub(super) fn grazing(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResul
 
 /// A sphere of radius 1, cut by near and a solid point behind it: its visible part, and the result of the naive
 /// formula.
-fn segment(stage: &mut CaseRenderer, method: SoftMethod, near: f64, center: f64) -> CaseResult {
+pub(super) fn segment(stage: &mut CaseRenderer, method: SoftMethod, near: f64, center: f64) -> CaseResult {
     let length = 2f64.powi(-17);
     let sphere = Dot { color: Vec3::ONE, ..beside(0, 0.25, center, 1.0) };
     let wall = Dot { field: 0.0, color: Vec3::ZERO, ..beside(0, 0.0, near + length, 1.0) };
@@ -83,14 +82,6 @@ fn segment(stage: &mut CaseRenderer, method: SoftMethod, near: f64, center: f64)
     // Center and both ends are binary fractions, exact for any zero of depths, and so is the segment's length.
     let bound = INTEGRAL + 4.0 * DISTANCE + 16.0 * ULP;
     Ok(Finding::new(relative(image.rgba[0][0], wanted), bound, relative(naive, wanted)))
-}
-
-pub(super) fn thin_segment(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
-    segment(stage, method, 8.0, 8.5)
-}
-
-pub(super) fn far_segment(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
-    segment(stage, method, 65536.0, 65536.5)
 }
 
 pub(super) fn no_radius(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {

@@ -32,11 +32,11 @@ impl Follower {
         };
         if let Some(before) = &self.before {
             assert_eq!(before.len(), error.len(), "all frames of a path are equally large");
-            let changed = changed(exact, before, &error);
-            // Against zeros, so that X takes no digits from a small change.
             let change: Vec<[f32; 3]> = pairs(before, &error).map(|(a, b)| each(a, b, |a, b| b - a)).collect();
+            let pixels = pairs(&exact.pixels, &change).map(|(x, d)| each(x, d, |x, d| x + d)).collect();
+            // Against zeros, so that X takes no digits from a small change.
             found.rmse = Some(metrics::rmse(&vec![[0.0; 3]; change.len()], &change));
-            found.flip = Some(metrics::flip(exact, &changed));
+            found.flip = Some(metrics::flip(exact, &LinearImage { pixels, ..*exact }));
         }
         self.before = Some(error);
         self.frames.push(found);
@@ -58,13 +58,6 @@ fn errors(exact: &LinearImage, image: &LinearImage) -> Vec<[f32; 3]> {
     );
     let same = |a: f32, b: f32| a == b || (a.is_nan() && b.is_nan());
     pairs(&exact.pixels, &image.pixels).map(|(x, m)| each(x, m, |x, m| if same(x, m) { 0.0 } else { m - x })).collect()
-}
-
-/// X + D.
-fn changed(exact: &LinearImage, before: &[[f32; 3]], error: &[[f32; 3]]) -> LinearImage {
-    let change = pairs(before, error).map(|(a, b)| each(a, b, |a, b| b - a));
-    let pixels = exact.pixels.iter().zip(change).map(|(x, d)| each(*x, d, |x, d| x + d)).collect();
-    LinearImage { width: exact.width, height: exact.height, pixels }
 }
 
 fn pairs<'a>(a: &'a [[f32; 3]], b: &'a [[f32; 3]]) -> impl Iterator<Item = ([f32; 3], [f32; 3])> {

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::pictures::Pictures;
-use super::{Cause, Errors, Row, Tradeoff, figures, looks, page};
+use super::{Errors, Row, Tradeoff, figures, looks, page};
 use crate::report::page::add;
 use crate::report::popping;
 use crate::report::records::{self, record};
@@ -54,10 +54,6 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     records::csv(file, COLUMNS, measured.chain(report.skipped.iter().map(record)).chain(shaded))
 }
 
-fn causes_csv(causes: &[Cause], file: impl Write) -> io::Result<()> {
-    records::csv(file, CAUSES, causes.iter().map(record))
-}
-
 /// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, along a path `popping.csv`, `tradeoff.json`, the figures
 /// and, last, `report.html` into the folder of the pictures. No file gets its final name before all are complete.
 ///
@@ -70,7 +66,8 @@ pub fn write(folder: &Path, report: &Tradeoff) -> Result<(), output::Error> {
     let mut files = Files::default();
     files.add(&folder.join("tradeoff.csv"), |file| csv(report, file))?;
     if !report.causes.is_empty() {
-        files.add(&folder.join("causes.csv"), |file| causes_csv(&report.causes, file))?;
+        let causes = report.causes.iter().map(record);
+        files.add(&folder.join("causes.csv"), |file| records::csv(file, CAUSES, causes))?;
     }
     if let Some(found) = &report.popping {
         files.add(&folder.join("popping.csv"), |file| popping::csv(found, file))?;

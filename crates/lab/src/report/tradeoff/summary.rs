@@ -27,13 +27,10 @@ pub(super) fn row(SettingResults { row, frames, .. }: &SettingResults) -> Row {
 pub(super) fn mark_front(rows: &mut [Row]) {
     let places: Vec<[f64; 2]> = rows.iter().map(|row| [row.gpu_ms.median, row.errors.rmse]).collect();
     for (row, place) in rows.iter_mut().zip(&places) {
-        row.front = !places.iter().any(|other| beats(*other, *place));
+        // Nowhere above and somewhere below it.
+        let beats = |other: &[f64; 2]| other[0] <= place[0] && other[1] <= place[1] && other != place;
+        row.front = !places.iter().any(beats);
     }
-}
-
-/// True if `a` is nowhere above `b` and somewhere below it.
-fn beats(a: [f64; 2], b: [f64; 2]) -> bool {
-    a[0] <= b[0] && a[1] <= b[1] && a != b
 }
 
 /// The number of frames of each cost (seconds) that fit the allowed seconds, including one warm-up frame each: at most

@@ -29,12 +29,12 @@ impl Possible {
 
 /// The slope of the ray through the center.
 fn slope(placed: &PlacedGaussian) -> DVec2 {
-    if is_orthographic(placed.camera) { DVec2::ZERO } else { placed.center.truncate() / placed.center.z }
+    if is_orthographic(placed.view.camera) { DVec2::ZERO } else { placed.center.truncate() / placed.center.z }
 }
 
 /// Returns the columns of P for these axes in camera coordinates, in pixels to the right and down.
 pub(super) fn columns(placed: &PlacedGaussian, axes: DMat3) -> [DVec2; 3] {
-    let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
+    let scale = placed.view.pixels_per_unit(placed.center.z);
     let slope = slope(placed);
     [0, 1, 2].map(|k| {
         let axis = axes.col(k);
@@ -80,7 +80,7 @@ fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
         + met.length * turned
         + u * (AXIS * lengths.dot(met.nearest.abs()) + 4.0 * r.length() * met.length);
     let along = Range::around(along, along_error);
-    let parallel = is_orthographic(bounded.placed.camera);
+    let parallel = is_orthographic(bounded.placed.view.camera);
     let over = if parallel { 1.0 } else { z };
     let across = across(factor, r) / over;
     let across = Range::around(across, (turned + AXIS * u * lengths.length()) / over + 4.0 * u * across);
@@ -101,7 +101,7 @@ pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Po
         return Possible::ANYTHING;
     };
     let (u, z) = (ROUNDING, bounded.placed.center.z);
-    if is_orthographic(bounded.placed.camera) {
+    if is_orthographic(bounded.placed.view.camera) {
         let depth = along + Range::only(z);
         return Possible { rho2: met.rho2, depth: depth.widened(DEPTH_ERROR * z.abs() + u * depth.high.abs()) };
     }
@@ -117,7 +117,7 @@ pub(super) fn chord(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Op
         return Some(Chord { middle: Possible::ANYTHING.depth, half: Possible::ANYTHING.rho2 });
     };
     // D − |Y|² = w² + (t² − 1)|Y|², whose first rounding is of the larger of the two.
-    let rest = if is_orthographic(placed.camera) {
+    let rest = if is_orthographic(placed.view.camera) {
         Range { low: 1.0 - met.rho2.high, high: 1.0 - met.rho2.low }
     } else {
         let steep = across.times(across);
@@ -131,7 +131,7 @@ pub(super) fn chord(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Op
         return None;
     }
     let root = Range { low: rest.low.max(0.0).sqrt(), high: rest.high.sqrt() };
-    let over = if is_orthographic(placed.camera) { 1.0 } else { z };
+    let over = if is_orthographic(placed.view.camera) { 1.0 } else { z };
     let half = quotient(across.scaled(over).times(root), shared, 8.0 * u);
     let middle = range(bounded, offset, screen_error).depth;
     // Relative to the center: what is added to it has roundings of its own.

@@ -12,8 +12,8 @@ use glam::{DMat3, DVec2};
 use self::factor::{Factor, MatrixRows};
 use super::ewa::{Projected, thickened};
 use super::{Gaussian, PlacedGaussian, is_orthographic, largest_rho2, ray};
+use crate::View;
 use crate::range::{ROUNDING, Range, screen_error};
-use pellucid_core::camera::Camera;
 use pellucid_scene::{GaussianSettings, Kernel, Order};
 
 /// A pixel that a Gaussian may cover.
@@ -48,13 +48,8 @@ pub struct PossibleChord {
 
 /// Returns the pixels in which an ellipsoid with a thickness may be met ([`super::ellipsoid`]). Near and far have to be
 /// clear of its center's depth.
-pub fn possible_chords(
-    camera: &Camera,
-    size: [u32; 2],
-    gaussian: &Gaussian,
-    settings: &GaussianSettings,
-) -> Vec<PossibleChord> {
-    let Some(placed) = PlacedGaussian::new(camera, size, gaussian) else { return Vec::new() };
+pub fn possible_chords(view: View, gaussian: &Gaussian, settings: &GaussianSettings) -> Vec<PossibleChord> {
+    let Some(placed) = PlacedGaussian::new(view, gaussian) else { return Vec::new() };
     let found = Bounded::new(&placed, settings, Order::Pixel);
     // Errors of a large share of the whole may put it anywhere.
     let fine = found.depth_factor.as_ref().is_some_and(|factor| factor.epsilon < 0.01);
@@ -77,14 +72,13 @@ const DISTANCE: f64 = 6.0;
 /// Returns the pixels of some rows that a Gaussian may cover ([`super::footprint`]). Near and far have to be clear of
 /// its center's depth.
 pub fn possible(
-    camera: &Camera,
-    size: [u32; 2],
+    view: View,
     gaussian: &Gaussian,
     settings: &GaussianSettings,
     order: Order,
     rows: std::ops::Range<u32>,
 ) -> Vec<Possible> {
-    let Some(placed) = PlacedGaussian::new(camera, size, gaussian) else { return Vec::new() };
+    let Some(placed) = PlacedGaussian::new(view, gaussian) else { return Vec::new() };
     let found = Bounded::new(&placed, settings, order);
     let Some(window) = found.window() else { return Vec::new() };
     let inside = placed.window(window).filter(|[_, y]| rows.contains(y));
@@ -146,7 +140,7 @@ impl<'a> Bounded<'a> {
     /// Returns the offset from the projected center to a pixel's, and the error of that.
     fn offset(&self, [x, y]: [u32; 2]) -> (DVec2, DVec2) {
         let place = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
-        let size = self.placed.size;
+        let size = self.placed.view.size;
         let screen = DVec2::from([0, 1].map(|axis| screen_error(self.projected.center[axis], size[axis])));
         (place - self.projected.center, screen)
     }
@@ -166,7 +160,7 @@ impl<'a> Bounded<'a> {
         };
         let (alpha, mut sure) = self.alpha(rho2)?;
         if by_ray {
-            let (near, far) = (self.placed.camera.near, self.placed.camera.far);
+            let (near, far) = (self.placed.view.camera.near, self.placed.view.camera.far);
             if densest.depth.high < near || densest.depth.low > far {
                 return None;
             }
@@ -175,7 +169,7 @@ impl<'a> Bounded<'a> {
         let center = Range::depth(self.placed.center.z);
         let (key, z) = match self.order {
             Order::Center => (center, center),
-            Order::Distance if is_orthographic(self.placed.camera) => (center, center),
+            Order::Distance if is_orthographic(self.placed.view.camera) => (center, center),
             Order::Distance => {
                 (Range::around(self.placed.distance, DISTANCE * ROUNDING * self.placed.distance), center)
             }
@@ -199,7 +193,7 @@ impl<'a> Bounded<'a> {
 
 /// Errors of the columns of J M, where J goes along this slope.
 fn errors(placed: &PlacedGaussian, axes: DMat3, slope: DVec2) -> [DVec2; 3] {
-    let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
+    let scale = placed.view.pixels_per_unit(placed.center.z);
     let most = factor::AXIS * ROUNDING * scale * (DVec2::ONE + slope.abs());
     [0, 1, 2].map(|k| axes.col(k).length() * most)
 }

@@ -140,8 +140,8 @@ fn check(kernel: Kernel, projection: Projection, thinnest: f64) -> (usize, Vec<f
         let splat = Splatted(to_world(splat.0), splat.1, splat.2, splat.3);
         let what = format!("{kernel:?} {step}");
         let gaussian = one(splat);
-        let all = possible(&camera, SIZE, &gaussian, &settings, Order::Pixel, 0..SIZE[1]);
-        let exact = footprint(&camera, SIZE, &gaussian, &settings, Order::Pixel);
+        let all = possible(View::new(&camera, SIZE), &gaussian, &settings, Order::Pixel, 0..SIZE[1]);
+        let exact = footprint(View::new(&camera, SIZE), &gaussian, &settings, Order::Pixel);
         let own = Known::new(&camera, splat, 0.0);
         let along =
             if kernel == Kernel::Ray { Known::new(&camera, splat, 0.0) } else { Known::new(&camera, splat, 1e-3) };
@@ -204,7 +204,7 @@ fn coverage_is_open_where_roundings_decide_it() {
     let found = |alpha_min: f64| {
         let settings = GaussianSettings { alpha_min: alpha_min as f32, ..bare(Kernel::Ewa) };
         let splat = one(ball(-5.0 * DVec3::Z, 1.0, 0.5));
-        let all = possible(&orthographic(), SIZE, &splat, &settings, Order::Center, 4..5);
+        let all = possible(View::new(&orthographic(), SIZE), &splat, &settings, Order::Center, 4..5);
         assert!(all.iter().all(|p| p.y == 4));
         find(&all, 5, 4).map(|p| p.sure)
     };
@@ -218,8 +218,8 @@ fn antialiased_opacity_is_within() {
     let mut widths = Vec::new();
     for splat in varied(300, 0.1) {
         let gaussian = one(splat);
-        let all = possible(&camera, SIZE, &gaussian, &settings, Order::Distance, 0..9);
-        for hit in footprint(&camera, SIZE, &gaussian, &settings, Order::Distance) {
+        let all = possible(View::new(&camera, SIZE), &gaussian, &settings, Order::Distance, 0..9);
+        for hit in footprint(View::new(&camera, SIZE), &gaussian, &settings, Order::Distance) {
             assert_possible(&all, hit.x, hit.y, hit.alpha, hit.key, true, "exact");
         }
         widths.extend(all.iter().map(|p| p.alpha.high - p.alpha.low));

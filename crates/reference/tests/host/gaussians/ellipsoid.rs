@@ -22,7 +22,7 @@ fn large(count: usize, thinnest: f64) -> Vec<Splatted> {
 
 /// Ray through the middle of the image, by a cap of 1.
 fn middle(camera: &Camera, all: &[Splatted], colors: &[DVec3]) -> ([f64; 4], f64, u32) {
-    let picture = render(camera, SIZE, &scene(all), colors, &discs(1.0));
+    let picture = render(View::new(camera, SIZE), &scene(all), colors, &discs(1.0));
     (picture.rgba[MIDDLE], picture.depth[MIDDLE], picture.counts[MIDDLE])
 }
 
@@ -49,7 +49,7 @@ fn opacities_are_those_of_chords() {
             let to_view = DMat3::from_cols(camera.right, camera.up, camera.forward).transpose();
             let inverse = (to_view * gaussian.axes).inverse();
             let metric = inverse.transpose() * inverse;
-            let hits = footprint(&camera, SIZE, &gaussian, &settings, Order::Pixel);
+            let hits = footprint(View::new(&camera, SIZE), &gaussian, &settings, Order::Pixel);
             for (y, x) in (0..9).flat_map(|y| (0..9).map(move |x| (y, x))) {
                 // Of z = 1 and not of a unit of length.
                 let (start, direction) = ray_through(&camera, x, y);
@@ -80,7 +80,7 @@ fn opacities_are_those_of_chords() {
 fn the_cap_is_one_of_density() {
     // Along an axis of four times the length of the shortest, less than 1 shows through than along that.
     let long = Splatted(-5.0 * DVec3::Z, Vec3::new(0.5, 0.5, 2.0), Quat::IDENTITY, 1.0);
-    let picture = render(&orthographic(), SIZE, &scene(&[long]), &[DVec3::ONE], &discs(0.75));
+    let picture = render(View::new(&orthographic(), SIZE), &scene(&[long]), &[DVec3::ONE], &discs(0.75));
     assert_close(picture.rgba[MIDDLE][3], 1.0 - 0.25f64.powi(4), 1e-12);
     // Without a cap it is opaque from where it begins.
     let ([.., a], depth, _) = middle(&orthographic(), &[long], &[DVec3::ONE]);
@@ -114,8 +114,12 @@ fn without_thickness_it_is_a_disc() {
         assert_eq!(middle(&camera, &[needle], &colors).2, 0);
     }
     // The cap is one of density alone.
-    let picture =
-        render(&orthographic(), SIZE, &scene(&[pancake(-5.0 * DVec3::Z, 1.0, 0.0, 1.0)]), &colors, &discs(0.5));
+    let picture = render(
+        View::new(&orthographic(), SIZE),
+        &scene(&[pancake(-5.0 * DVec3::Z, 1.0, 0.0, 1.0)]),
+        &colors,
+        &discs(0.5),
+    );
     assert_eq!(picture.rgba[MIDDLE][3], 1.0);
 }
 
@@ -155,7 +159,7 @@ fn a_disc_within_divides_what_it_is_in() {
         radii: vec![0.5],
         ..Points::default()
     });
-    let picture = abuffer::render(&orthographic(), SIZE, &points, &[DVec3::X, DVec3::Y], &discs(1.0));
+    let picture = abuffer::render(View::new(&orthographic(), SIZE), &points, &[DVec3::X, DVec3::Y], &discs(1.0));
     let [r, g, _, a] = picture.rgba[MIDDLE];
     assert_close(r, 0.5 + 0.25 * 0.5, 1e-12);
     assert_close(g, 0.25, 1e-12);
@@ -167,7 +171,7 @@ fn a_disc_within_divides_what_it_is_in() {
 fn median_and_mean_depth_by_hand() {
     let all = |opacity| [ball(-5.0 * DVec3::Z, 1.0, opacity)];
     let of = |splats: &[Splatted], stretch: f64| {
-        let list = bodies(&orthographic(), SIZE, &scene(splats), &discs(1.0)).swap_remove(MIDDLE);
+        let list = bodies(View::new(&orthographic(), SIZE), &scene(splats), &discs(1.0)).swap_remove(MIDDLE);
         (median(&list, stretch, 0.5), mean_depth(&list, stretch))
     };
     // From z = 4 to 6 of optical depth ln 4: a half is left in the middle. The mean is 4 + 2 (1 / x - 1 / (exp(x) -
@@ -197,7 +201,7 @@ fn opacity_is_that_of_all_optical_depths_and_colors_are_means() {
     let points = scene(&all);
     for camera in [perspective(), orthographic()] {
         let settings = discs(0.99);
-        let lists = bodies(&camera, SIZE, &points, &settings);
+        let lists = bodies(View::new(&camera, SIZE), &points, &settings);
         assert!(lists.iter().any(|list| list.len() > 3));
         for list in lists {
             let clear: f64 = list.iter().map(|body| 1.0 - body.opacity()).product();
@@ -218,8 +222,8 @@ fn float32_bounds_of_a_chord_contain_the_chord() {
         for splat in large(100, 1e-3) {
             let gaussian = one(splat);
             let points = scene(&[splat]);
-            let possible = possible_chords(&camera, SIZE, &gaussian, &settings);
-            let lists = bodies(&camera, SIZE, &points, &discs(0.99));
+            let possible = possible_chords(View::new(&camera, SIZE), &gaussian, &settings);
+            let lists = bodies(View::new(&camera, SIZE), &points, &discs(0.99));
             for (pixel, list) in lists.iter().enumerate() {
                 let found = possible.iter().find(|chord| (chord.y * 9 + chord.x) as usize == pixel);
                 let Some(body) = list.first() else {

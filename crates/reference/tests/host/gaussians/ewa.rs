@@ -5,7 +5,7 @@ use glam::DMat2;
 use super::*;
 
 fn center(camera: &Camera, splat: Splatted, settings: &GaussianSettings) -> Vec<Hit> {
-    footprint(camera, SIZE, &one(splat), settings, Order::Center)
+    footprint(View::new(camera, SIZE), &one(splat), settings, Order::Center)
 }
 
 /// Every pixel of the image against α by its offset from the middle of the image, right and down.
@@ -64,7 +64,7 @@ fn beyond_the_image_j_stays_at_1_3_times_the_half_field_of_view() {
 fn a_wide_image_has_a_bound_of_its_own_along_each_axis() {
     // 9 pixels high, 27 wide: half fields of slope 1 and 3. At slope 3.5 J is not clamped, since 1.3 · 3 = 3.9.
     let ball = one(ball(DVec3::new(7.0, 0.0, -2.0), 1.0, 1.0));
-    let hits = footprint(&perspective(), [27, 9], &ball, &bare(Kernel::Ewa), Order::Center);
+    let hits = footprint(View::new(&perspective(), [27, 9]), &ball, &bare(Kernel::Ewa), Order::Center);
     let (variance, offset) = ((4.5f64 / 2.0).powi(2) * (1.0 + 3.5 * 3.5), 26.5 - (13.5 + 3.5 * 4.5));
     assert_close(hit(&hits, 26, 4).alpha, (-0.5 * offset * offset / variance).exp(), ROUNDING);
 }
@@ -172,7 +172,8 @@ fn only_the_center_is_compared_with_near_and_far() {
     let seen = |z: f64| !center(&orthographic(), ball(-z * DVec3::Z, 3.0, 1.0), &bare(Kernel::Ewa)).is_empty();
     // Near is 0.5, far is 100.
     assert_eq!([0.5, 0.4999, 100.0, 100.0001, -1.0].map(seen), [true, false, true, false, false]);
-    let behind = footprint(&perspective(), SIZE, &one(ball(DVec3::Z, 9.0, 1.0)), &bare(Kernel::Ewa), Order::Pixel);
+    let behind =
+        footprint(View::new(&perspective(), SIZE), &one(ball(DVec3::Z, 9.0, 1.0)), &bare(Kernel::Ewa), Order::Pixel);
     assert!(behind.is_empty());
     assert!(center(&orthographic(), ball(DVec3::NAN, 3.0, 1.0), &bare(Kernel::Ewa)).is_empty());
 }

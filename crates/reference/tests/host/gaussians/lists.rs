@@ -26,7 +26,7 @@ fn crossing() -> Points {
 #[test]
 fn splats_that_cross_change_places_from_pixel_to_pixel() {
     for kernel in [Kernel::Ewa, Kernel::Ray] {
-        let of = |order: Order| lists(&orthographic(), SIZE, &crossing(), &by(kernel, order));
+        let of = |order: Order| lists(View::new(&orthographic(), SIZE), &crossing(), &by(kernel, order));
         let (pixel, center) = (of(Order::Pixel), of(Order::Center));
         for x in 0..9 {
             // 5 + x tan 40° and 5.25 − x tan 40° are equal at x = 0.149.
@@ -46,9 +46,9 @@ fn splats_that_cross_change_places_from_pixel_to_pixel() {
 fn without_an_order_it_is_that_of_the_pixel_and_of_the_center_when_sorted() {
     let none = Discs { gaussians: bare(Kernel::Ewa), ..Discs::default() };
     let all = crossing();
-    let of = |discs: &Discs| lists(&orthographic(), SIZE, &all, discs);
+    let of = |discs: &Discs| lists(View::new(&orthographic(), SIZE), &all, discs);
     assert_eq!(of(&none), of(&by(Kernel::Ewa, Order::Pixel)));
-    let sorted = sorted::lists(&orthographic(), SIZE, &all, &none);
+    let sorted = sorted::lists(View::new(&orthographic(), SIZE), &all, &none);
     assert_eq!(sorted, of(&by(Kernel::Ewa, Order::Center)));
 }
 
@@ -56,7 +56,9 @@ fn without_an_order_it_is_that_of_the_pixel_and_of_the_center_when_sorted() {
 fn distance_and_depth_order_otherwise() {
     // At the side and 4 deep it is √(4² + 3²) = 5 from the eye, before it and 4.5 deep it is 4.5.
     let points = scene(&[ball(DVec3::new(3.0, 0.0, -4.0), 4.0, 0.5), ball(-4.5 * DVec3::Z, 4.0, 0.5)]);
-    let of = |camera: &Camera, order: Order| lists(camera, SIZE, &points, &by(Kernel::Ewa, order)).swap_remove(MIDDLE);
+    let of = |camera: &Camera, order: Order| {
+        lists(View::new(camera, SIZE), &points, &by(Kernel::Ewa, order)).swap_remove(MIDDLE)
+    };
     assert_eq!(indices(&of(&perspective(), Order::Center)), [0, 1]);
     let list = of(&perspective(), Order::Distance);
     assert_eq!(indices(&list), [1, 0]);
@@ -73,7 +75,7 @@ fn distance_and_depth_order_otherwise() {
         let wanted = if order == Some(Order::Distance) { [1, 0] } else { [0, 1] };
         assert_eq!(sorted::order(&perspective(), &points, &settings), wanted);
         let discs = Discs { gaussians: settings, ..Discs::default() };
-        let list = &sorted::lists(&perspective(), SIZE, &points, &discs)[MIDDLE];
+        let list = &sorted::lists(View::new(&perspective(), SIZE), &points, &discs)[MIDDLE];
         assert_eq!(indices(list), wanted.map(|index| index as u32));
         assert_eq!(list[0].z, if wanted[0] == 0 { 4.0 } else { 4.5 });
     }
@@ -84,15 +86,15 @@ fn images_by_distance_show_depths_along_the_axis() {
     // The nearest one by distance is 3 deep, at 5.
     let points = scene(&[ball(DVec3::new(4.0, 0.0, -3.0), 4.0, 0.5), ball(-6.0 * DVec3::Z, 4.0, 0.5)]);
     let (camera, colors, discs) = (perspective(), [DVec3::X, DVec3::Y], by(Kernel::Ewa, Order::Distance));
-    assert_eq!(lists(&camera, SIZE, &points, &discs)[MIDDLE][0].z, 5.0);
+    assert_eq!(lists(View::new(&camera, SIZE), &points, &discs)[MIDDLE][0].z, 5.0);
     let stochastic = Stochastic { discs, samples: 64, alpha_correction: true };
     let hybrid = Method::Hybrid(Hybrid { discs, k: 1, ..Hybrid::default() });
     let pictures = [
-        abuffer::render(&camera, SIZE, &points, &colors, &discs),
-        sorted::render(&camera, SIZE, &points, &colors, &discs),
-        peel::render(&camera, SIZE, &points, &colors, &discs, 0),
-        approximate::render(&camera, SIZE, &points, &colors, &hybrid).unwrap(),
-        stochastic::render(&camera, SIZE, &points, &colors, &stochastic, 1).0,
+        abuffer::render(View::new(&camera, SIZE), &points, &colors, &discs),
+        sorted::render(View::new(&camera, SIZE), &points, &colors, &discs),
+        peel::render(View::new(&camera, SIZE), &points, &colors, &discs, 0),
+        approximate::render(View::new(&camera, SIZE), &points, &colors, &hybrid).unwrap(),
+        stochastic::render(View::new(&camera, SIZE), &points, &colors, &stochastic, 1).0,
     ];
     for picture in pictures {
         assert_eq!(picture.depth[MIDDLE], 3.0);
@@ -118,7 +120,7 @@ fn discs_and_gaussians_share_a_list() {
     let colors = [DVec3::X, DVec3::Y, DVec3::ONE, DVec3::Z];
     for order in [Order::Center, Order::Distance, Order::Pixel] {
         let discs = by(Kernel::Ewa, order);
-        let all = lists(&orthographic(), SIZE, &points, &discs);
+        let all = lists(View::new(&orthographic(), SIZE), &points, &discs);
         let of = |pixel: usize| all[pixel].iter().map(|f| (f.index, f.z, f.alpha)).collect::<Vec<_>>();
         assert_eq!(of(MIDDLE), [(0, 4.0, 0.5), (3, 5.0, 0.5), (1, 6.0, 0.25)]);
         // The disc ends after a pixel.
@@ -127,12 +129,12 @@ fn discs_and_gaussians_share_a_list() {
         assert_eq!(indices(&all[MIDDLE + 2]), [near.0, far.0]);
         assert_close(all[MIDDLE + 2][0].alpha, near.1, ROUNDING);
         assert_close(all[MIDDLE + 2][1].alpha, far.1, ROUNDING);
-        let picture = abuffer::render(&orthographic(), SIZE, &points, &colors, &discs);
+        let picture = abuffer::render(View::new(&orthographic(), SIZE), &points, &colors, &discs);
         // 1/2 red, half of the rest blue, a quarter of the rest green.
         let wanted = [0.5, 0.0625, 0.25, 0.8125];
         picture.rgba[MIDDLE].iter().zip(wanted).for_each(|(got, want)| assert_close(*got, want, ROUNDING));
-        let sorted = sorted::render(&orthographic(), SIZE, &points, &colors, &discs);
-        let peeled = peel::render(&orthographic(), SIZE, &points, &colors, &discs, 0);
+        let sorted = sorted::render(View::new(&orthographic(), SIZE), &points, &colors, &discs);
+        let peeled = peel::render(View::new(&orthographic(), SIZE), &points, &colors, &discs, 0);
         for other in [sorted, peeled] {
             assert_eq!(picture.counts, other.counts);
             for (a, b) in picture.rgba.iter().flatten().zip(other.rgba.iter().flatten()) {
@@ -154,9 +156,9 @@ fn only_lists_with_gaussians_end_early() {
     for (stop, wanted) in [(0.1, 0.8125), (0.2, 0.75), (0.3, 0.5), (0.6, 0.0)] {
         let discs = ending(stop);
         let pictures = [
-            abuffer::render(&orthographic(), SIZE, &points, &colors, &discs),
-            sorted::render(&orthographic(), SIZE, &points, &colors, &discs),
-            peel::render(&orthographic(), SIZE, &points, &colors, &discs, 0),
+            abuffer::render(View::new(&orthographic(), SIZE), &points, &colors, &discs),
+            sorted::render(View::new(&orthographic(), SIZE), &points, &colors, &discs),
+            peel::render(View::new(&orthographic(), SIZE), &points, &colors, &discs, 0),
         ];
         for picture in &pictures {
             assert_close(picture.rgba[MIDDLE][3], wanted, ROUNDING);
@@ -169,15 +171,15 @@ fn only_lists_with_gaussians_end_early() {
     }
     let mut alone = mixed();
     alone.gaussians = None;
-    let of = |stop: f32| abuffer::render(&orthographic(), SIZE, &alone, &colors, &ending(stop));
+    let of = |stop: f32| abuffer::render(View::new(&orthographic(), SIZE), &alone, &colors, &ending(stop));
     assert_eq!(of(0.6), of(0.0));
 }
 
 #[test]
 fn some_pixels_have_the_lists_of_all() {
     let discs = by(Kernel::Ray, Order::Pixel);
-    let all = lists(&perspective(), SIZE, &mixed(), &discs);
-    let some = lists_at(&perspective(), SIZE, &mixed(), &discs, &[3, 40, 41]);
+    let all = lists(View::new(&perspective(), SIZE), &mixed(), &discs);
+    let some = lists_at(View::new(&perspective(), SIZE), &mixed(), &discs, &[3, 40, 41]);
     assert_eq!(some, [3, 40, 41].map(|pixel: usize| all[pixel].clone()));
 }
 

@@ -24,7 +24,7 @@ fn opacity_is_that_of_the_largest_density_along_the_ray() {
     for camera in [perspective(), orthographic()] {
         for splat in varied(100, 0.1) {
             let gaussian = one(splat);
-            let hits = footprint(&camera, SIZE, &gaussian, &settings, Order::Pixel);
+            let hits = footprint(View::new(&camera, SIZE), &gaussian, &settings, Order::Pixel);
             for (y, x) in (0..9).flat_map(|y| (0..9).map(move |x| (y, x))) {
                 let (rho2, depth) = densest(&camera, &gaussian, gaussian.axes, x, y);
                 let alpha = f64::from(splat.3) * (-0.5 * rho2).exp();
@@ -48,7 +48,7 @@ fn orthographic_it_is_the_projection() {
     let settings = |kernel| GaussianSettings { kernel, ..bare(kernel) };
     for splat in varied(100, 0.05) {
         let [ewa, ray] = [Kernel::Ewa, Kernel::Ray]
-            .map(|kernel| footprint(&orthographic(), SIZE, &one(splat), &settings(kernel), Order::Center));
+            .map(|kernel| footprint(View::new(&orthographic(), SIZE), &one(splat), &settings(kernel), Order::Center));
         // Depths may be outside near and far, of `ray` alone.
         for hit in &ray {
             let other = ewa.iter().find(|other| (other.x, other.y) == (hit.x, hit.y)).unwrap();
@@ -63,7 +63,7 @@ fn without_thickness_it_is_where_the_ray_meets_the_plane() {
     // The plane z = 9 + x tan 60° meets the ray of column offset dx at z = 9 / (1 − tan 60°·dx/4.5), 2|x| from the
     // center.
     let splat = pancake(-9.0 * DVec3::Z, 3.0, 60.0, 1.0);
-    let hits = footprint(&perspective(), SIZE, &one(splat), &bare(Kernel::Ray), Order::Pixel);
+    let hits = footprint(View::new(&perspective(), SIZE), &one(splat), &bare(Kernel::Ray), Order::Pixel);
     for dx in [-2.0, -1.0, 0.0, 1.0] {
         let z = 9.0 / (1.0 - 3f64.sqrt() * dx / 4.5);
         let hit = hit(&hits, (4.0 + dx) as u32, 4);
@@ -76,7 +76,7 @@ fn without_thickness_it_is_where_the_ray_meets_the_plane() {
     let edge_on = Splatted(along.0, Vec3::new(0.0, 1.0, 1.0), along.2, 1.0);
     let line = Splatted(along.0, Vec3::X, along.2, 1.0);
     for splat in [edge_on, line] {
-        let hits = footprint(&orthographic(), SIZE, &one(splat), &bare(Kernel::Ray), Order::Pixel);
+        let hits = footprint(View::new(&orthographic(), SIZE), &one(splat), &bare(Kernel::Ray), Order::Pixel);
         assert!(hits.is_empty(), "{hits:?}");
     }
 }
@@ -88,7 +88,7 @@ fn depths_outside_near_and_far_are_none() {
     let splat = pancake(-5.0 * DVec3::Z, 20.0, 2f32.atan().to_degrees(), 1.0);
     let columns = |z: f64, kernel| {
         let splat = Splatted(-z * DVec3::Z, splat.1, splat.2, 1.0);
-        let hits = footprint(&camera, SIZE, &one(splat), &bare(kernel), Order::Pixel);
+        let hits = footprint(View::new(&camera, SIZE), &one(splat), &bare(kernel), Order::Pixel);
         hits.iter().filter(|hit| hit.y == 4).map(|hit| hit.x).collect::<Vec<_>>()
     };
     // One unit to the right of what roundings decide.
@@ -110,7 +110,7 @@ fn ewa_is_ordered_by_where_it_is_densest_as_thick_as_a_thousandth() {
             let least = 1e-3 * f64::from(extents.max_element());
             let turned = DMat3::from_quat(splat.2.as_dquat().normalize());
             let thick = turned * DMat3::from_diagonal(extents.as_dvec3().max(DVec3::splat(least)));
-            for hit in footprint(&camera, SIZE, &gaussian, &bare(Kernel::Ewa), Order::Pixel) {
+            for hit in footprint(View::new(&camera, SIZE), &gaussian, &bare(Kernel::Ewa), Order::Pixel) {
                 let (_, depth) = densest(&camera, &gaussian, thick, hit.x, hit.y);
                 // By thirds the depth has half the digits of ρ², which is large where the ray is far off.
                 assert_close(hit.key, depth, 1e-5 * (1.0 + depth.abs()));

@@ -124,9 +124,10 @@ impl Studio<'_> {
     ) -> Result<(LinearImage, f64), methods::Error> {
         // The memory of the others first.
         clouds.forget();
-        let points = with_degree(self.effort.arranged.points(), degree);
+        let points = self.effort.arranged.points();
+        let gaussians = points.gaussians.clone().map(|gaussians| gaussians.with_degree(degree));
         let frame = Frame { method: self.exact(settings), ..*self.effort.frame };
-        let arranged = Arranged::Canonical(Arc::new(points));
+        let arranged = Arranged::Canonical(Arc::new(Points { gaussians, ..points.clone() }));
         let mut cloud = self.renderer.upload(Upload::with_detail(&arranged, &frame.detail))?;
         self.timed(&mut cloud, &frame)
     }
@@ -162,12 +163,6 @@ impl Studio<'_> {
         }
         Ok((image, least))
     }
-}
-
-/// Returns the points with harmonics up to a degree.
-fn with_degree(points: &Points, degree: u32) -> Points {
-    let gaussians = points.gaussians.clone().map(|gaussians| gaussians.with_degree(degree));
-    Points { gaussians, ..points.clone() }
 }
 
 /// The figures of an image with one thing changed.

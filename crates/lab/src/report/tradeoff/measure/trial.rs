@@ -207,8 +207,18 @@ impl TradeoffRun<'_> {
         self.analytic.as_ref().map(|analytic| analytic::rmse(analytic.color, image))
     }
 
+    /// All errors of an image.
     fn errors(&self, image: &LinearImage) -> Errors {
-        errors(&self.made.reference, image)
+        let all = metrics::compare(&self.made.reference, image).expect("both are frames of one size");
+        Errors {
+            rmse: all.rmse,
+            nmse: all.nmse,
+            psnr: Some(all.psnr).filter(|psnr| psnr.is_finite()),
+            ssim: all.ssim,
+            flip: all.flip,
+            max: all.max.value,
+            above_1_255: all.above_1_255,
+        }
     }
 
     fn pictures(&self, setting: &Setting, image: &LinearImage) -> Result<[String; 2]> {
@@ -228,20 +238,6 @@ fn predict(times: &[(f64, f64)], effort: f64) -> Option<f64> {
         Some((before, less)) => seconds + ((seconds - less) / (last - before)).max(0.0) * (effort - last),
         None => seconds * effort / last,
     })
-}
-
-/// All errors of an image.
-fn errors(reference: &LinearImage, image: &LinearImage) -> Errors {
-    let all = metrics::compare(reference, image).expect("both are frames of one size");
-    Errors {
-        rmse: all.rmse,
-        nmse: all.nmse,
-        psnr: Some(all.psnr).filter(|psnr| psnr.is_finite()),
-        ssim: all.ssim,
-        flip: all.flip,
-        max: all.max.value,
-        above_1_255: all.above_1_255,
-    }
 }
 
 #[cfg(test)]

@@ -152,14 +152,9 @@ fn sittings(count: u32) -> String {
     )
 }
 
-/// An error, with a power of ten if it is small.
+/// An error; a small one has two digits and a power of ten.
 pub(super) fn error(value: f64) -> String {
-    if value == 0.0 || value >= 1e-3 { digits(value) } else { scientific(value) }
-}
-
-/// Two digits and a power of ten.
-fn scientific(value: f64) -> String {
-    format!("{value:.1e}").replace('-', "−")
+    if value == 0.0 || value >= 1e-3 { digits(value) } else { format!("{value:.1e}").replace('-', "−") }
 }
 
 fn front(report: &Tradeoff) -> Markup {

@@ -50,7 +50,8 @@ pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over)
     };
     let y = match over {
         Over::Time => Axis::tens("device time in ms", TIME_FLOOR),
-        Over::Holes => Axis::tens("share of holes", holes_floor(surveyed)),
+        // No holes at all are drawn as half a pixel of the silhouette.
+        Over::Holes => Axis::tens("share of holes", 0.5 / surveyed.silhouette.max(1) as f64),
         Over::Error => Axis::tens("RMSE inside the silhouette", 0.0),
     };
     let panels: Vec<Panel> = surveyed.clouds.iter().map(panel).collect();
@@ -75,11 +76,6 @@ fn caption(over: Over) -> Markup {
             "over the outline; the figures above include it."
         },
     }
-}
-
-/// Half a pixel of the silhouette: where no holes at all are drawn.
-fn holes_floor(surveyed: &Surveyed) -> f64 {
-    0.5 / surveyed.silhouette.max(1) as f64
 }
 
 /// The title of a cloud's panel.

@@ -4,9 +4,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use pellucid_core::image::Image;
-use pellucid_core::image::LinearImage;
-use pellucid_core::image::MAX_SIDE;
+use pellucid_core::image::{Image, LinearImage, MAX_SIDE};
 use pellucid_core::metrics::rmse;
 use pellucid_core::parallel;
 use pellucid_engine::methods::{Error, Frame, Renderer};
