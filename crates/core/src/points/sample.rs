@@ -71,13 +71,18 @@ impl Points {
         if self.whole.is_some() {
             return Self { whole: None, ..self.clone() };
         }
-        let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
+        let sample = self.taken_by(Sampling::of((self.len() + self.unseen.positions.len()) as u64));
+        sample.with_one(self.anchor().origin, || self.subset(&[0], 1.0))
+    }
+
+    /// Returns the points that a sampling takes, also of those that are not drawn.
+    #[doc(hidden)]
+    pub fn taken_by(&self, sampling: Sampling) -> Self {
         let seen: Vec<u32> = (0..self.len() as u32).filter(|at| sampling.takes(self.positions[*at as usize])).collect();
         let unseen = self.unseen.positions.iter().zip(&self.unseen.radii);
         let unseen = unseen.filter(|(position, _)| sampling.takes(**position));
         let (positions, radii) = unseen.map(|(position, radius)| (*position, *radius)).unzip();
-        let sample = Self { unseen: Arc::new(Unseen { positions, radii }), ..self.subset(&seen, 1.0) };
-        sample.with_one(self.anchor().origin, || self.subset(&[0], 1.0))
+        Self { unseen: Arc::new(Unseen { positions, radii }), ..self.subset(&seen, 1.0) }
     }
 
     /// Returns the same points, or, if these are none, one of the scene, which leaves the origin where it is.

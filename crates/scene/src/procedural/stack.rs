@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::builder::{CloudBuilder, Rgb};
 use super::random::Random;
 use super::{Error, Generated};
+use pellucid_core::cloud::Cloud;
 
 /// Depths are in [1, 2), where float32 has 2²³ values: each layer has its own.
 pub(super) const MAX_LAYERS: f64 = (1u32 << 23) as f64;
@@ -27,8 +28,16 @@ pub(super) fn generate([layers, size, opacity]: [f64; 3], seed: u64) -> Result<G
     for layer in order {
         builder.point(DVec3::new(0.0, 0.0, height(layer, layers)), COLORS[layer % COLORS.len()]);
     }
+    let about = format!("{layers} layers over the whole image, in the file in random order.");
+    Ok(scene("stack", &about, size, [2.0, opacity, RADIUS], builder.finish()))
+}
+
+/// Returns the scene of a cloud of layers: its name, what it is, the side of the image; the height of the image in
+/// world units, and opacity and radius of the points.
+pub(super) fn scene(name: &str, about: &str, size: usize, numbers: [f64; 3], cloud: Cloud) -> Generated {
+    let [height, opacity, radius] = numbers;
     let scene_toml = format!(
-        r#"# {layers} layers over the whole image, in the file in random order.
+        r#"# {about}
 [image]
 size = [{size}, {size}]
 
@@ -36,20 +45,20 @@ size = [{size}, {size}]
 eye = [0.0, 0.0, {EYE_Z:?}]
 target = [0.0, 0.0, 0.0]
 up = [0.0, 1.0, 0.0]
-height = 2.0
+height = {height:?}
 near = 0.5
 far = 2.5
 
 [[cloud]]
-path = "stack.ply"
+path = "{name}.ply"
 opacity = {opacity:?}
-radius = {RADIUS:?}
+radius = {radius:?}
 
 [method]
 name = "abuffer"
 "#
     );
-    Ok(Generated { clouds: vec![("stack.ply".to_owned(), builder.finish())], scene_toml })
+    Generated { clouds: vec![(format!("{name}.ply"), cloud)], scene_toml }
 }
 
 /// Returns the height of a layer below the eye, the first one on top.

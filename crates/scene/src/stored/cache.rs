@@ -3,10 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::{DVec3, Vec3};
-
 use crate::supply::Failure;
-use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::points::Points;
 
 /// The points of some blocks.
@@ -88,7 +85,7 @@ impl CachedPoints {
     }
 
     fn add(&mut self, block: u32, points: &Arc<Points>, most: u64) {
-        let bytes = bytes_of(points);
+        let bytes = points.bytes();
         // Another thread may have read the same.
         if bytes > most || self.points.contains_key(&block) {
             return;
@@ -96,7 +93,7 @@ impl CachedPoints {
         while self.bytes + bytes > most {
             let Some((_, oldest)) = self.used.pop_first() else { break };
             if let Some((points, _)) = self.points.remove(&oldest) {
-                self.bytes -= bytes_of(&points);
+                self.bytes -= points.bytes();
             }
         }
         self.now += 1;
@@ -106,18 +103,10 @@ impl CachedPoints {
     }
 }
 
-/// Bytes of some points in memory.
-fn bytes_of(points: &Points) -> u64 {
-    let vectors = points.colors.len() + points.normals.as_ref().map_or(0, Vec::len);
-    let positions = points.positions.len() + points.unseen.positions.len();
-    let floats = points.opacities.len() + points.radii.len() + points.fields.len() + points.unseen.radii.len();
-    let numbers = points.file_order.len() + points.dealt_ids.len();
-    let splats = points.gaussians.as_ref().map_or(0, |all| all.len() as u64 * Gaussians::bytes_each(all.degree));
-    (positions * size_of::<DVec3>() + vectors * size_of::<Vec3>() + 4 * (floats + numbers)) as u64 + splats
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     #[test]

@@ -32,7 +32,7 @@ use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::cloud::{Bounds, UpAxis};
 use pellucid_core::parallel;
-use pellucid_core::points::{Anchor, Points, Spheres, Unseen, WholeScene, WholeSplats};
+use pellucid_core::points::{Anchor, Points, Spheres, WholeScene, WholeSplats};
 use pellucid_core::progress::{Phase, Progress};
 use pellucid_io as io;
 use pellucid_io::store;
@@ -163,8 +163,8 @@ impl Stored {
         let bounds = bounds.ok_or_else(|| no_points(&scene, &sample))?;
         let (blocks, places) = blocks(&scene, &clouds);
         let sampling = Sampling::of(count);
-        let (seen, unseen) = within(&sample, sampling);
-        let sampled = (seen.iter().map(|at| sample.positions[*at as usize]).collect(), sampling.every());
+        let sample = sample.taken_by(sampling);
+        let sampled = (sample.positions.clone(), sampling.every());
         let splats = clouds.iter().filter_map(|cloud| cloud.splats).reduce(WholeSplats::and);
         let (cache, most) = (Cache::new(memory / 2), (memory / taken_bytes(splats)).max(1));
         let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache, sampled, most });
@@ -179,7 +179,7 @@ impl Stored {
             identity: clouds.iter().map(StoredCloud::identity).collect::<Vec<_>>().join("\n"),
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };
-        let sample = Arc::new(stand_ins(&sample, &seen, &unseen, whole));
+        let sample = Arc::new(Points { whole: Some(Arc::new(whole)), ..sample });
         Ok(Self { nodes, sample, legend, notes, displays, gaussians })
     }
 
@@ -371,9 +371,7 @@ impl Spheres for Nodes {
 
     fn of_group(&self, group: usize) -> Vec<(DVec3, f64)> {
         let Ok(points) = self.part(group) else { return Vec::new() };
-        let unseen = points.unseen.positions.iter().zip(&points.unseen.radii);
-        let all = points.positions.iter().zip(&points.radii).chain(unseen);
-        all.map(|(position, radius)| (*position, f64::from(*radius))).collect()
+        points.spheres().collect()
     }
 }
 
@@ -385,23 +383,6 @@ fn is_unlit(scene: &Scene, stores: &[OpenStore]) -> bool {
         like.normals.is_none() && !gaussians::are_drawn(scene, settings, like)
     };
     scene.shading_normals().is_some() && scene.clouds.iter().zip(stores).any(lacks)
-}
-
-/// The places in a list of the points that stand for all of the scene: those that are drawn, and the others.
-fn within(points: &Points, sampling: Sampling) -> (Vec<u32>, Vec<u32>) {
-    let takes = |positions: &[DVec3]| {
-        let taken = positions.iter().enumerate().filter(|(_, position)| sampling.takes(**position));
-        taken.map(|(at, _)| at as u32).collect()
-    };
-    (takes(&points.positions), takes(&points.unseen.positions))
-}
-
-/// Makes points that stand for all out of these.
-fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: WholeScene) -> Points {
-    let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
-    let (positions, radii) = unseen.iter().map(pick).unzip();
-    let seen = points.subset(seen, 1.0);
-    Points { unseen: Arc::new(Unseen { positions, radii }), whole: Some(Arc::new(whole)), ..seen }
 }
 
 /// The blocks of clouds, with cloud and node of each.
