@@ -13,26 +13,16 @@ use crate::cloud::sampling::Sampling;
 /// Facts about all points of a scene whose points are elsewhere, in a form that travels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Known {
-    count: u64,
-    bounds: Bounds,
+    /// Number of points.
+    pub count: u64,
+    /// The box around all of them, also around those that are not drawn.
+    pub bounds: Bounds,
     /// World units; may be infinite, as the next one may, which no JSON is.
     largest_radius: f32,
     /// The largest component of a color, linear.
     brightest: f32,
     is_transparent: bool,
     splats: Option<WholeSplats>,
-}
-
-impl Known {
-    /// Returns the number of points.
-    pub fn count(&self) -> u64 {
-        self.count
-    }
-
-    /// Returns the box around all of them, also around those that are not drawn.
-    pub fn bounds(&self) -> Bounds {
-        self.bounds
-    }
 }
 
 /// The points of a scene that are elsewhere.

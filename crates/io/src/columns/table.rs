@@ -11,8 +11,8 @@ use pellucid_core::parallel;
 
 /// The columns of some rows of a table.
 pub(crate) struct PointTable {
-    /// The points, the values of a classification as the last scalar.
-    pub(super) cloud: Cloud,
+    /// The points so far; colors, alphas and classes, the last scalar then, may be as they are stored.
+    pub cloud: Cloud,
 }
 
 /// Does the same to every column of a table.
@@ -140,11 +140,6 @@ impl PointTable {
     /// Moves the first rows of each run together.
     fn keep(&mut self, run: usize, kept: &[usize]) {
         each_column!(self, |column| compact(column, run, kept));
-    }
-
-    /// Returns the points so far; colors, alphas and classes may be as they are stored.
-    pub fn points(&self) -> &Cloud {
-        &self.cloud
     }
 
     /// Returns what these rows tell of all.

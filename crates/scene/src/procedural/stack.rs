@@ -36,29 +36,10 @@ pub(super) fn generate([layers, size, opacity]: [f64; 3], seed: u64) -> Result<G
 /// world units, and opacity and radius of the points.
 pub(super) fn scene(name: &str, about: &str, size: usize, numbers: [f64; 3], cloud: Cloud) -> Generated {
     let [height, opacity, radius] = numbers;
-    let scene_toml = format!(
-        r#"# {about}
-[image]
-size = [{size}, {size}]
-
-[camera]
-eye = [0.0, 0.0, {EYE_Z:?}]
-target = [0.0, 0.0, 0.0]
-up = [0.0, 1.0, 0.0]
-height = {height:?}
-near = 0.5
-far = 2.5
-
-[[cloud]]
-path = "{name}.ply"
-opacity = {opacity:?}
-radius = {radius:?}
-
-[method]
-name = "abuffer"
-"#
-    );
-    Generated { clouds: vec![(format!("{name}.ply"), cloud)], scene_toml }
+    let image = format!("size = [{size}, {size}]");
+    let lens = format!("height = {height:?}\nnear = 0.5\nfar = 2.5");
+    let keys = format!("opacity = {opacity:?}\nradius = {radius:?}");
+    Generated::alone(name, cloud, [about, &image, &format!("{EYE_Z:?}"), &lens, &keys])
 }
 
 /// Returns the height of a layer below the eye, the first one on top.

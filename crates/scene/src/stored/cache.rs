@@ -10,7 +10,7 @@ use pellucid_core::points::Points;
 #[derive(Debug)]
 pub(super) struct Cache {
     /// Bytes that it holds at most.
-    most: u64,
+    pub most: u64,
     held: Mutex<CachedPoints>,
 }
 
@@ -29,11 +29,6 @@ impl Cache {
     /// Returns an empty one.
     pub fn new(most: u64) -> Self {
         Self { most, held: Mutex::default() }
-    }
-
-    /// Returns the number of bytes that it holds at most.
-    pub fn most(&self) -> u64 {
-        self.most
     }
 
     /// Returns the number of bytes that were read of the store so far.

@@ -83,15 +83,16 @@ pub fn are_complete(scene: &Scene, stores: &[OpenStore]) -> Result<bool, Error> 
 #[derive(Debug, Clone)]
 pub struct Stored {
     nodes: Arc<Nodes>,
-    /// Points of the scene that stand for all.
-    sample: Arc<Points>,
+    /// Some points that stand for all, with what is known of all ([`Points::whole`]).
+    pub sample: Arc<Points>,
     /// Meaning of the colors of the points, by those that stand for all.
-    legend: Legend,
-    notes: Vec<String>,
-    /// `true` if colors are blended encoded because all clouds are Gaussians.
-    displays: bool,
-    /// `true` if some are.
-    gaussians: bool,
+    pub legend: Legend,
+    /// Everything else that should be known, one sentence each.
+    pub notes: Vec<String>,
+    /// `true` if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of it.
+    pub blends_displays: bool,
+    /// `true` if some clouds are of Gaussians.
+    pub has_gaussians: bool,
 }
 
 /// The nodes of all clouds.
@@ -129,10 +130,10 @@ impl Stored {
     ) -> Result<Self, crate::OpenError> {
         progress.begin(Phase::Prepare);
         let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
-        let has_gaussians =
+        let is_of_gaussians =
             |index: usize| stores.get(index).is_some_and(|store| store.summary().like.gaussians.is_some());
-        let displays = scene.settle_for(has_gaussians);
-        let gaussians = (0..stores.len()).any(has_gaussians);
+        let blends_displays = scene.settle_for(is_of_gaussians);
+        let has_gaussians = (0..stores.len()).any(is_of_gaussians);
         let mut notes = Vec::new();
         let is_unlit = is_unlit(&scene, stores);
         if is_unlit {
@@ -180,17 +181,12 @@ impl Stored {
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };
         let sample = Arc::new(Points { whole: Some(Arc::new(whole)), ..sample });
-        Ok(Self { nodes, sample, legend, notes, displays, gaussians })
+        Ok(Self { nodes, sample, legend, notes, blends_displays, has_gaussians })
     }
 
     /// Returns the scene, without shading where points have no normals to shade by.
     pub fn scene(&self) -> &Scene {
         &self.nodes.scene
-    }
-
-    /// Returns some points that stand for all, with what is known of all ([`Points::whole`]).
-    pub fn sample(&self) -> &Points {
-        &self.sample
     }
 
     /// Returns all points, block by block.
@@ -222,7 +218,7 @@ impl Stored {
         let settings = dealt_file::DealSettings {
             has_normals: nodes.clouds.iter().any(StoredCloud::has_normals),
             seed,
-            memory: nodes.cache.most(),
+            memory: nodes.cache.most,
             folder: folder.to_path_buf(),
         };
         let file = DealtFile::deal(sources.collect(), &settings, progress)?;
@@ -238,35 +234,14 @@ impl Stored {
         most_frequent(self.nodes.clouds.iter().map(|cloud| cloud.store.summary().up))
     }
 
-    /// Returns what the colors of the points mean.
-    pub fn legend(&self) -> &Legend {
-        &self.legend
-    }
-
     /// Returns `true` if points have other classes than 0 and 1, which say that nothing was classified.
     pub fn is_classified(&self) -> bool {
         self.nodes.clouds.iter().any(|cloud| (2..=u8::MAX).any(|code| cloud.facts.has_class(code)))
     }
 
-    /// Returns what else should be known, one sentence each.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
     /// Returns how clouds are colored and why, a phrase for each.
     pub fn colorings(&self) -> Vec<String> {
         self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
-    }
-
-    /// Returns `true` if some clouds are of Gaussians.
-    pub fn has_gaussians(&self) -> bool {
-        self.gaussians
-    }
-
-    /// Returns `true` if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of
-    /// it.
-    pub fn blends_displays(&self) -> bool {
-        self.displays
     }
 
     /// Returns the blocks of all points.

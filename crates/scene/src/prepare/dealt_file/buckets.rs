@@ -79,7 +79,7 @@ impl BucketPlan {
 
 /// The buckets of a cloud.
 pub(super) struct Buckets<'a> {
-    plan: BucketPlan,
+    pub plan: BucketPlan,
     pile: &'a Pile,
     /// Flushed extents and pending words of each bucket.
     all: Vec<(Vec<FileExtent>, Vec<u32>)>,
@@ -89,11 +89,6 @@ impl<'a> Buckets<'a> {
     /// Empty ones.
     pub fn new(plan: BucketPlan, pile: &'a Pile) -> Self {
         Self { plan, pile, all: vec![(Vec::new(), Vec::new()); plan.buckets as usize] }
-    }
-
-    /// Returns the layout of the buckets.
-    pub fn plan(&self) -> BucketPlan {
-        self.plan
     }
 
     /// Adds a point to the bucket of its word, if there is one.
