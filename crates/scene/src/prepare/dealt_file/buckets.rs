@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::pile::{FileExtent, Pile, words_of};
+use super::pile::{FileExtent, Pile};
 use super::records::RecordLayout;
 use pellucid_io::Error;
 
@@ -126,7 +126,7 @@ impl<'a> Buckets<'a> {
 
 /// Returns the number of points of some extents.
 pub(super) fn points_of(layout: RecordLayout, extents: &[FileExtent]) -> u64 {
-    words_of(extents) / layout.words() as u64
+    extents.iter().map(|extent| extent.words).sum::<u64>() / layout.words() as u64
 }
 
 #[cfg(test)]

@@ -22,11 +22,6 @@ pub(super) struct FileExtent {
     pub words: u64,
 }
 
-/// Words of some extents.
-pub(super) fn words_of(extents: &[FileExtent]) -> u64 {
-    extents.iter().map(|extent| extent.words).sum()
-}
-
 impl Pile {
     /// Returns an empty one in a folder.
     pub fn new(folder: &Path) -> Result<Self, Error> {
