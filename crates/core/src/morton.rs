@@ -15,6 +15,24 @@ pub fn spread(x: u64) -> u64 {
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
+/// Returns the largest cells with at most so many points each, as far as codes of so many levels tell them apart: the
+/// level of each below the cell of all codes, its first code, and its points, along the curve. `counts` are the points
+/// of each code, ascending.
+pub fn divided(levels: u32, counts: &[(u64, u64)], most: u64) -> Vec<(u32, u64, u64)> {
+    let (mut found, mut waiting) = (Vec::new(), vec![(0, counts)]);
+    while let Some((level, counts)) = waiting.pop() {
+        let points = counts.iter().map(|(_, points)| points).sum();
+        let cell = |code: u64, level: u32| code >> (3 * (levels - level));
+        if points <= most || level == levels {
+            found.extend(counts.first().map(|(code, _)| (level, cell(*code, level) << (3 * (levels - level)), points)));
+        } else {
+            let same = |a: &(u64, u64), b: &(u64, u64)| cell(a.0, level + 1) == cell(b.0, level + 1);
+            waiting.extend(counts.chunk_by(same).rev().map(|part| (level + 1, part)));
+        }
+    }
+    found
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
+mod columns;
 #[doc(hidden)]
 pub mod packed;
 mod sample;
@@ -8,13 +9,12 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use bytemuck::{NoUninit, Pod, bytes_of};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::Bounds;
-use crate::cloud::gaussians::{Gaussians, MAX_DEGREE, coefficients};
+use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
 use crate::cloud::sampling::{Sampling, mix};
 use crate::parallel;
 pub use packed::Unreadable;
@@ -179,12 +179,6 @@ fn id(place: [u64; 3], nth: u64) -> u32 {
 #[doc(hidden)]
 pub fn as_estimated(normal: Vec3) -> Vec3 {
     2.0 * normal
-}
-
-/// Returns `true` if all values of a column have the same bits, so that they have no order.
-fn is_uniform<T: NoUninit + Sync>(column: &[T]) -> bool {
-    let Some(first) = column.first().map(bytes_of) else { return true };
-    column.par_chunks(1 << 14).all(|some| some.iter().all(|value| bytes_of(value) == first))
 }
 
 fn is_estimated(normal: Vec3) -> bool {
@@ -352,142 +346,6 @@ impl Points {
         }
         self.spheres().map(|(_, radius)| radius).reduce(|| 0.0, f64::max)
     }
-
-    /// Returns the same points in another order: place i gets point `from(i)`. Works column by column and frees each
-    /// once it is copied, since memory can't hold a hundred million points twice. Columns of a single value stay as
-    /// they are.
-    pub fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
-        fn pick<T: Pod + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
-            if is_uniform(&column) {
-                return column;
-            }
-            parallel::map(column.len(), |i| column[from(i)])
-        }
-        Self {
-            positions: pick(self.positions, &from),
-            colors: pick(self.colors, &from),
-            opacities: pick(self.opacities, &from),
-            radii: pick(self.radii, &from),
-            normals: self.normals.map(|normals| pick(normals, &from)),
-            file_order: pick(self.file_order, &from),
-            dealt_ids: pick(self.dealt_ids, &from),
-            fields: pick(self.fields, &from),
-            gaussians: self.gaussians.map(|all| all.picked(all.len(), &from)),
-            unseen: self.unseen,
-            whole: self.whole,
-        }
-    }
-
-    /// Returns the points at these places, in that order, with radii times a factor.
-    pub fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
-        fn pick<T: Pod + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
-            let count = if column.is_empty() { 0 } else { places.len() };
-            parallel::map(count, |i| column[places[i] as usize])
-        }
-        Self {
-            positions: pick(&self.positions, places),
-            colors: pick(&self.colors, places),
-            opacities: pick(&self.opacities, places),
-            radii: pick(&self.radii, places).into_iter().map(|radius| (radius_factor * radius).min(f32::MAX)).collect(),
-            normals: self.normals.as_ref().map(|normals| pick(normals, places)),
-            file_order: pick(&self.file_order, places),
-            dealt_ids: pick(&self.dealt_ids, places),
-            fields: pick(&self.fields, places),
-            gaussians: self.gaussians.as_ref().map(|all| all.picked(places.len(), |i| places[i] as usize)),
-            unseen: Arc::clone(&self.unseen),
-            whole: self.whole.clone(),
-        }
-    }
-
-    /// Returns some points of parts of a scene, which have the same columns but for normals and Gaussians: each by the
-    /// number of its part and its place there.
-    #[doc(hidden)]
-    pub fn gather(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Self {
-        fn pick<'a, T: Pod + Send + Sync>(
-            parts: &'a [Arc<Points>],
-            picked: &[[u32; 2]],
-            column: impl Fn(&'a Points) -> &'a [T],
-        ) -> Vec<T> {
-            let columns: Vec<&[T]> = parts.iter().map(|points| column(points)).collect();
-            if columns.iter().all(|column| column.is_empty()) {
-                return Vec::new();
-            }
-            parallel::map(picked.len(), |i| {
-                let [part, at] = picked[i];
-                columns[part as usize][at as usize]
-            })
-        }
-        let has_normals = parts.iter().any(|points| points.normals.is_some());
-        let degree = parts.iter().filter_map(|points| Some(points.gaussians.as_ref()?.degree)).max();
-        Self {
-            gaussians: degree.map(|degree| Self::gathered_gaussians(parts, picked, degree)),
-            positions: pick(parts, picked, |points| &points.positions),
-            colors: pick(parts, picked, |points| &points.colors),
-            opacities: pick(parts, picked, |points| &points.opacities),
-            radii: pick(parts, picked, |points| &points.radii),
-            normals: has_normals.then(|| Self::gathered_normals(parts, picked)),
-            file_order: pick(parts, picked, |points| &points.file_order),
-            dealt_ids: pick(parts, picked, |points| &points.dealt_ids),
-            fields: pick(parts, picked, |points| &points.fields),
-            ..Self::default()
-        }
-    }
-
-    /// Gaussians of parts, some of which may have none.
-    fn gathered_gaussians(parts: &[Arc<Self>], picked: &[[u32; 2]], degree: u32) -> Gaussians {
-        let of = |i: usize| {
-            let [part, at] = picked[i];
-            Some((parts[part as usize].gaussians.as_ref()?, at as usize))
-        };
-        let copy = |i: usize, to: &mut [Vec3]| {
-            let own = of(i).map_or(&[][..], |(own, at)| own.harmonics_of(at));
-            to.iter_mut().zip(own).for_each(|(to, from)| *to = *from);
-        };
-        Gaussians {
-            extents: parallel::map(picked.len(), |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.extents[at])),
-            rotations: parallel::map(picked.len(), |i| of(i).map_or(Quat::IDENTITY, |(own, at)| own.rotations[at])),
-            bases: parallel::map(picked.len(), |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.bases[at])),
-            degree,
-            harmonics: parallel::runs(picked.len(), coefficients(degree), copy),
-        }
-    }
-
-    /// Normals of parts of which some have none, which are zeros.
-    fn gathered_normals(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Vec<Vec3> {
-        let of = |[part, at]: [u32; 2]| parts[part as usize].normals.as_ref().map(|normals| normals[at as usize]);
-        parallel::map(picked.len(), |i| of(picked[i]).unwrap_or(Vec3::ZERO))
-    }
-
-    /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
-    /// forgotten.
-    pub fn append(&mut self, more: Self) {
-        if !more.unseen.positions.is_empty() {
-            let unseen = Arc::make_mut(&mut self.unseen);
-            unseen.positions.extend(&more.unseen.positions);
-            unseen.radii.extend(&more.unseen.radii);
-        }
-        if self.is_empty() {
-            *self = Self { file_order: Vec::new(), unseen: Arc::clone(&self.unseen), ..more };
-            return;
-        }
-        let (before, added) = (self.len(), more.len());
-        self.normals = match (self.normals.take(), more.normals) {
-            (None, None) => None,
-            (own, other) => {
-                let mut normals = own.unwrap_or_else(|| vec![Vec3::ZERO; before]);
-                normals.extend(other.unwrap_or_else(|| vec![Vec3::ZERO; added]));
-                Some(normals)
-            }
-        };
-        self.gaussians = Gaussians::joined((self.gaussians.take(), before), (more.gaussians, added));
-        self.positions.extend(more.positions);
-        self.colors.extend(more.colors);
-        self.opacities.extend(more.opacities);
-        self.radii.extend(more.radii);
-        self.fields.extend(more.fields);
-        self.dealt_ids.extend(more.dealt_ids);
-        self.file_order = Vec::new();
-    }
 }
 
 /// Marks the columns of a list of points that changed; positions never do.
@@ -537,7 +395,7 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cloud::gaussians::reach;
+    use crate::cloud::gaussians::{coefficients, reach};
 
     #[test]
     fn parts_without_normals_get_none() {

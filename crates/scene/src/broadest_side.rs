@@ -61,7 +61,6 @@ fn covered(points: &Points, count: usize, (forward, up): (DVec3, DVec3)) -> usiz
 mod tests {
     use std::sync::Arc;
 
-    use glam::Vec3;
     use rand::seq::SliceRandom;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
@@ -82,8 +81,7 @@ mod tests {
     }
 
     fn points(positions: Vec<DVec3>) -> Points {
-        let count = positions.len();
-        Points { positions, colors: vec![Vec3::ONE; count], radii: vec![0.0; count], ..Points::default() }
+        pellucid_testing_host::white(positions, 1.0)
     }
 
     fn azimuth(settings: &CameraSettings, points: &Points) -> Option<f64> {

@@ -31,7 +31,7 @@ const DARKEST: f64 = 0.35;
 pub(super) struct Choice {
     by: ColorBy,
     /// `true` if heights are darker where intensity is small.
-    modulated: bool,
+    pub modulated: bool,
     /// The reason, as a phrase.
     why: String,
 }
@@ -106,7 +106,7 @@ pub(super) struct Coloring<'a> {
     pub cloud: &'a Cloud,
     /// The place of the cloud in the scene.
     pub index: usize,
-    choice: Choice,
+    pub choice: Choice,
     /// The vertical along which height is measured.
     vertical: Vertical,
     /// Scales of the whole cloud, if this is a part of it.
@@ -216,11 +216,6 @@ impl<'a> Coloring<'a> {
     /// Returns what the colors show; `None` if the scene gives one color in place of it.
     pub fn by(&self) -> Option<&ColorBy> {
         self.settings.color.is_none().then_some(&self.choice.by)
-    }
-
-    /// Returns `true` if heights are darker where intensity is small.
-    pub fn is_modulated(&self) -> bool {
-        self.choice.modulated
     }
 
     /// Returns the colors. `fields` is F of each point, if [`Coloring::needs_field`].

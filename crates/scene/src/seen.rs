@@ -36,23 +36,6 @@ pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>, dropped: Opt
     let unseen = all.filter(|(i, (position, _))| !keep[*i] && is_there(*i) && position.is_finite());
     let (positions, radii) = unseen.map(|(_, (position, radius))| (*position, *radius)).unzip();
     points.unseen = Arc::new(Unseen { positions, radii });
-    retain(&mut points.positions, &keep);
-    retain(&mut points.colors, &keep);
-    retain(&mut points.opacities, &keep);
-    retain(&mut points.radii, &keep);
-    retain(&mut points.fields, &keep);
-    retain(&mut points.file_order, &keep);
-    if let Some(gaussians) = &points.gaussians {
-        let kept: Vec<usize> = keep.iter().enumerate().filter(|(_, keep)| **keep).map(|(i, _)| i).collect();
-        points.gaussians = Some(gaussians.picked(kept.len(), |i| kept[i]));
-    }
-    if let Some(normals) = &mut points.normals {
-        retain(normals, &keep);
-    }
+    points.retain(&keep);
     Some(keep)
-}
-
-fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    column.retain(|_| keep.next().copied().unwrap_or(false));
 }

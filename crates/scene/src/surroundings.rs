@@ -298,8 +298,7 @@ mod tests {
     }
 
     fn scene_of(positions: Vec<DVec3>) -> Points {
-        let count = positions.len();
-        Points { positions, colors: vec![Vec3::ONE; count], radii: vec![0.0; count], ..Points::default() }
+        pellucid_testing_host::white(positions, 1.0)
     }
 
     fn z() -> Vertical {

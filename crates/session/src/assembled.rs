@@ -162,7 +162,7 @@ impl Assembled {
         messages: &dyn Messages,
         progress: &Progress,
     ) -> Result<Self> {
-        stored.notes().iter().for_each(|note| messages.note(note));
+        stored.notes.iter().for_each(|note| messages.note(note));
         let arranged = if stored.scene().method.is_dealt() {
             let folder = std::env::temp_dir();
             messages.detail(&format_args!("points are dealt to ensembles in a temporary file in {}", folder.display()));
@@ -171,14 +171,14 @@ impl Assembled {
             stored.arranged()
         };
         let mut colorings = colorings(stored.scene(), &stored.colorings());
-        colorings.extend(stored.blends_displays().then(blended_displays));
-        let (scene, up, has_gaussians) = (stored.scene().clone(), stored.up(), stored.has_gaussians());
+        colorings.extend(stored.blends_displays.then(blended_displays));
+        let (scene, up, has_gaussians) = (stored.scene().clone(), stored.up(), stored.has_gaussians);
         let settled = Settled {
-            is_encoded: stored.blends_displays(),
+            is_encoded: stored.blends_displays,
             is_unlit: scene.shading.model == ShadingModel::None && asked.shading.model == ShadingModel::Auto,
         };
         Ok(Self {
-            legend: wanted.legend.then(|| stored.legend().clone()),
+            legend: wanted.legend.then(|| stored.legend.clone()),
             colorings,
             up,
             shadow_texture: None,
@@ -238,7 +238,7 @@ impl Assembled {
     pub fn legend_of(&self, scene: &Scene, sources: &Sources) -> Result<Legend> {
         match (&self.origin, &sources.clouds) {
             (Origin::Tracked(_), Clouds::Held(clouds)) => Ok(tracked::legend(scene, clouds, &sources.derived)?),
-            (Origin::Stored(stored, _), _) => Ok(stored.legend().clone()),
+            (Origin::Stored(stored, _), _) => Ok(stored.legend.clone()),
             _ => Ok(self.legend.clone().unwrap_or_default()),
         }
     }

@@ -81,7 +81,7 @@ fn left_out(frame: &Frame, cloud: &DeviceCloud) -> Option<Value> {
     Some(json!({
         "spacing_px": frame.detail.spacing_px,
         "max_points": frame.detail.max_points,
-        "cut_px": cut.px(),
+        "cut_px": cut.px,
         "points": cut.points(),
         "of": cloud.total(),
     }))

@@ -441,7 +441,7 @@ impl Session {
     /// Reports how many points were left out of the last frame.
     pub fn describe_detail(&self, messages: &dyn Messages) {
         if let Some(cut) = self.uploaded.cloud.cut_in_force() {
-            let (points, all, px) = (cut.points(), self.uploaded.cloud.total(), cut.px());
+            let (points, all, px) = (cut.points(), self.uploaded.cloud.total(), cut.px);
             messages.detail(&format_args!("levels of detail: {points} of {all} points, at most {px:.2} pixels apart"));
         }
     }

@@ -51,6 +51,13 @@ pub fn scene(points: &[P]) -> Points {
     order::canonical(Points { normals, ..all })
 }
 
+/// White points of this opacity without radii.
+pub fn white(positions: Vec<DVec3>, opacity: f32) -> Points {
+    let count = positions.len();
+    let (colors, opacities) = (vec![Vec3::ONE; count], vec![opacity; count]);
+    Points { positions, colors, opacities, radii: vec![0.0; count], ..Points::default() }
+}
+
 /// Random points in a cube of side 2 around the origin.
 pub fn soup(
     seed: u64,

@@ -19,7 +19,6 @@ use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
 use pellucid_scene::legend::Legend;
-use pellucid_scene::supply::Cut;
 use pellucid_scene::{self as scene, CameraSettings, Detail, Input, Method, MethodChoice, Scene};
 use pellucid_session::{Assembled, Clouds, FrameRequest, Prepared, Request, Session, Silent, Sources, Uploaded};
 
@@ -207,7 +206,7 @@ impl SceneRenderer {
         });
         let held = session.prepared.assembled.stored().is_some().then(|| {
             let points = if draft.points.is_some() { rendered.facts.points.min(all) } else { all };
-            let px = cloud.cut_in_force().map_or(f64::INFINITY, Cut::px);
+            let px = cloud.cut_in_force().map_or(f64::INFINITY, |cut| cut.px);
             let is_fine = draft.points.is_none() || draft.coarse == 1 && px <= FINE_PX.into();
             CloudShare { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
         });

@@ -113,13 +113,26 @@ impl Gaussians {
     /// Returns some of them, in another order: place i gets splat `from(i)` of `count` places.
     #[must_use]
     pub fn picked(&self, count: usize, from: impl Fn(usize) -> usize + Sync) -> Self {
-        let copy = |i: usize, to: &mut [Vec3]| to.copy_from_slice(self.harmonics_of(from(i)));
+        Self::gathered(count, self.degree, |i| Some((self, from(i))))
+    }
+
+    /// Returns splats of any lists of no higher degree: place i gets what `of(i)` names, a list and a place there;
+    /// without that no Gaussian.
+    pub(crate) fn gathered<'a>(
+        count: usize,
+        degree: u32,
+        of: impl Fn(usize) -> Option<(&'a Self, usize)> + Sync,
+    ) -> Self {
+        let copy = |i: usize, to: &mut [Vec3]| {
+            let own = of(i).map_or(&[][..], |(own, at)| own.harmonics_of(at));
+            to[..own.len()].copy_from_slice(own);
+        };
         Self {
-            extents: parallel::map(count, |i| self.extents[from(i)]),
-            rotations: parallel::map(count, |i| self.rotations[from(i)]),
-            bases: parallel::map(count, |i| self.bases[from(i)]),
-            degree: self.degree,
-            harmonics: parallel::runs(count, self.coefficients(), copy),
+            extents: parallel::map(count, |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.extents[at])),
+            rotations: parallel::map(count, |i| of(i).map_or(Quat::IDENTITY, |(own, at)| own.rotations[at])),
+            bases: parallel::map(count, |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.bases[at])),
+            degree,
+            harmonics: parallel::runs(count, coefficients(degree), copy),
         }
     }
 

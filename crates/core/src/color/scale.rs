@@ -12,7 +12,8 @@ pub struct Scale {
     high: f64,
     /// The ends, or their logarithms.
     scaled: [f64; 2],
-    log: bool,
+    /// `true` if logarithms are spread evenly rather than values.
+    pub log: bool,
 }
 
 impl Scale {
@@ -34,11 +35,6 @@ impl Scale {
     /// Returns the values at the two ends.
     pub fn ends(&self) -> [f64; 2] {
         [self.low, self.high]
-    }
-
-    /// Returns `true` if logarithms are spread evenly rather than values.
-    pub fn is_log(&self) -> bool {
-        self.log
     }
 
     /// t from 0 to 1; `None` for values that are not finite, and with a logarithm for those up to 0.

@@ -73,7 +73,7 @@ impl Scale {
         if low == high {
             return tick(low, shortest(low)).into_iter().collect();
         }
-        let found = if self.is_log() { logarithmic(low, high, most) } else { Vec::new() };
+        let found = if self.log { logarithmic(low, high, most) } else { Vec::new() };
         let (labels, found) = if found.len() >= 2 {
             (each_labeled(&found), found)
         } else {

@@ -13,26 +13,16 @@ use crate::cloud::sampling::Sampling;
 /// Facts about all points of a scene whose points are elsewhere, in a form that travels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Known {
-    count: u64,
-    bounds: Bounds,
+    /// Number of points.
+    pub count: u64,
+    /// The box around all of them, also around those that are not drawn.
+    pub bounds: Bounds,
     /// World units; may be infinite, as the next one may, which no JSON is.
     largest_radius: f32,
     /// The largest component of a color, linear.
     brightest: f32,
     is_transparent: bool,
     splats: Option<WholeSplats>,
-}
-
-impl Known {
-    /// Returns the number of points.
-    pub fn count(&self) -> u64 {
-        self.count
-    }
-
-    /// Returns the box around all of them, also around those that are not drawn.
-    pub fn bounds(&self) -> Bounds {
-        self.bounds
-    }
 }
 
 /// The points of a scene that are elsewhere.
@@ -71,13 +61,18 @@ impl Points {
         if self.whole.is_some() {
             return Self { whole: None, ..self.clone() };
         }
-        let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
+        let sample = self.taken_by(Sampling::of((self.len() + self.unseen.positions.len()) as u64));
+        sample.with_one(self.anchor().origin, || self.subset(&[0], 1.0))
+    }
+
+    /// Returns the points that a sampling takes, also of those that are not drawn.
+    #[doc(hidden)]
+    pub fn taken_by(&self, sampling: Sampling) -> Self {
         let seen: Vec<u32> = (0..self.len() as u32).filter(|at| sampling.takes(self.positions[*at as usize])).collect();
         let unseen = self.unseen.positions.iter().zip(&self.unseen.radii);
         let unseen = unseen.filter(|(position, _)| sampling.takes(**position));
         let (positions, radii) = unseen.map(|(position, radius)| (*position, *radius)).unzip();
-        let sample = Self { unseen: Arc::new(Unseen { positions, radii }), ..self.subset(&seen, 1.0) };
-        sample.with_one(self.anchor().origin, || self.subset(&[0], 1.0))
+        Self { unseen: Arc::new(Unseen { positions, radii }), ..self.subset(&seen, 1.0) }
     }
 
     /// Returns the same points, or, if these are none, one of the scene, which leaves the origin where it is.

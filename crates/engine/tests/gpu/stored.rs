@@ -119,9 +119,9 @@ fn assert_same_of(text: &str, about: &str, methods: impl Iterator<Item = Method>
             let (_, whole, stored) = &known[at];
             // Nodes are read anew.
             stored.forget();
-            assert!(stored.notes().is_empty(), "{:?}", stored.notes());
+            assert!(stored.notes.is_empty(), "{:?}", stored.notes);
             let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
-            let (found, _) = scene::camera(stored.scene(), stored.sample(), stored.up()).unwrap();
+            let (found, _) = scene::camera(stored.scene(), &stored.sample, stored.up()).unwrap();
             assert_eq!(found, camera, "{about}");
             let frame = Frame { fragments: true, ..Frame::of_scene(&scene, camera, 3) };
             let expected = rendered(device, whole, &frame).expect("a frame");
@@ -252,9 +252,9 @@ fn the_picture_of_a_store_is_that_of_the_file_that_it_was_made_of() {
             let whole = scene::arrange(&of_file, clouds, 3, &hidden).unwrap();
             let of_store = scene(&target, method);
             let stored = Stored::new(&of_store, &open_stores(&of_store, &hidden).unwrap(), HOST, &hidden).unwrap();
-            assert!(stored.blends_displays());
+            assert!(stored.blends_displays);
             let (camera, _) = scene::camera(&of_file, whole.points(), up).unwrap();
-            assert_eq!(scene::camera(stored.scene(), stored.sample(), stored.up()).unwrap().0, camera, "{name}");
+            assert_eq!(scene::camera(stored.scene(), &stored.sample, stored.up()).unwrap().0, camera, "{name}");
             let (of_file, of_store) =
                 (Frame::of_scene(&of_file, camera, 3), Frame::of_scene(stored.scene(), camera, 3));
             with_device(|device| {
@@ -454,7 +454,7 @@ fn points_without_normals_are_told_of_where_they_would_count() {
         let text = format!("{settings}\n[[cloud]]\npath = '{}'\n", path.display());
         let scene = Scene::from_toml_with(&text, Path::new("scene.toml"), &Overrides::default()).unwrap();
         let stores = open_stores(&scene, &hidden).unwrap();
-        Stored::new(&scene, &stores, HOST, &hidden).map(|stored| stored.notes().to_vec())
+        Stored::new(&scene, &stores, HOST, &hidden).map(|stored| stored.notes.to_vec())
     };
     let unlit = "[shading]\nmodel = 'none'\n[method]\nname";
     for path in [&some, &none] {

@@ -18,10 +18,10 @@ pub(crate) struct RowLayout {
     color: Option<[Channel; 3]>,
     alpha: Option<Channel>,
     radius: Option<usize>,
-    /// Column of the classification, with the name of the scalar that it is if its values are no codes.
-    pub(super) classification: Option<(usize, String)>,
     intensity: Option<usize>,
     scalars: Vec<(usize, String)>,
+    /// `true` if the last scalar is a classification, provided that its values are codes.
+    pub(super) classified: bool,
 }
 
 impl RowLayout {
@@ -44,13 +44,13 @@ impl RowLayout {
         let alpha = names.take(&ALPHA);
         let alpha = alpha.map(|at| if is_measured(&at) { Channel::of_any_range(at) } else { channel(at) });
         let radius = names.take(&RADIUS);
-        let classification = names.take(&CLASSIFICATION_NAMES).map(|at| (at, columns[at].name.clone()));
+        let class = names.take(&CLASSIFICATION_NAMES);
         let intensity = names.take(&INTENSITY_NAMES);
-        let scalars = names.rest().map(|at| (at, columns[at].name.clone())).collect();
-        Ok(Self { position, normal, color, alpha, radius, classification, intensity, scalars })
+        let scalars = names.rest().chain(class).map(|at| (at, columns[at].name.clone())).collect();
+        Ok(Self { position, normal, color, alpha, radius, intensity, scalars, classified: class.is_some() })
     }
 
-    /// Returns a cloud of no points with these columns, but for a classification.
+    /// Returns a cloud of no points with these columns, a classification among the scalars.
     pub(super) fn empty(&self) -> Cloud {
         Cloud {
             colors: self.color.as_ref().map(|_| Vec::new()),
@@ -66,8 +66,7 @@ impl RowLayout {
     /// Returns the number of bytes of a row in the columns of a cloud.
     pub fn bytes(&self) -> u64 {
         let threes = u64::from(self.color.is_some()) + u64::from(self.normal.is_some());
-        let single =
-            [self.alpha.is_some(), self.radius.is_some(), self.classification.is_some(), self.intensity.is_some()];
+        let single = [self.alpha.is_some(), self.radius.is_some(), self.intensity.is_some()];
         let ones = single.into_iter().filter(|is_there| *is_there).count() + self.scalars.len();
         size_of::<DVec3>() as u64 + threes * size_of::<Vec3>() as u64 + ones as u64 * size_of::<f32>() as u64
     }
@@ -107,12 +106,6 @@ impl RowLayout {
     pub(super) fn radius(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
         let radius = value(self.radius?) as f32;
         Some(if radius.is_finite() { radius.max(0.0) } else { 0.0 })
-    }
-
-    /// Returns the code of a class, or what stands in place of one.
-    #[inline]
-    pub(super) fn code(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
-        self.classification.as_ref().map(|(at, _)| value(*at) as f32)
     }
 
     #[inline]

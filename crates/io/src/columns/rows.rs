@@ -14,7 +14,6 @@ pub(crate) struct RowRun<'a> {
     normals: Option<&'a mut [Vec3]>,
     radii: Option<&'a mut [f32]>,
     intensity: Option<&'a mut [f32]>,
-    codes: Option<&'a mut [f32]>,
     scalars: Vec<&'a mut [f32]>,
 }
 
@@ -33,7 +32,6 @@ impl<'a> RowRun<'a> {
         let mut normals = runs(&mut cloud.normals, run);
         let mut radii = runs(&mut cloud.radii, run);
         let mut intensity = runs(&mut cloud.intensity, run);
-        let mut codes = runs(&mut table.codes, run);
         let mut scalars: Vec<_> = cloud.scalars.iter_mut().map(|(_, column)| column.chunks_mut(run)).collect();
         let rows = cloud.positions.chunks_mut(run).map(|positions| Self {
             positions,
@@ -42,7 +40,6 @@ impl<'a> RowRun<'a> {
             normals: next(&mut normals),
             radii: next(&mut radii),
             intensity: next(&mut intensity),
-            codes: next(&mut codes),
             scalars: scalars.iter_mut().filter_map(Iterator::next).collect(),
         });
         rows.collect()
@@ -70,7 +67,6 @@ impl<'a> RowRun<'a> {
         set(&mut self.normals, places.clone(), |row| layout.normal(value(row)));
         set(&mut self.radii, places.clone(), |row| layout.radius(value(row)));
         set(&mut self.intensity, places.clone(), |row| layout.intensity(value(row)));
-        set(&mut self.codes, places.clone(), |row| layout.code(value(row)));
         for (column, at) in self.scalars.iter_mut().zip(layout.scalar_places()) {
             set(&mut Some(&mut **column), places.clone(), |row| Some(block.value(row, at) as f32));
         }

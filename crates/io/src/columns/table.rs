@@ -11,19 +11,18 @@ use pellucid_core::parallel;
 
 /// The columns of some rows of a table.
 pub(crate) struct PointTable {
-    pub(super) cloud: Cloud,
-    /// Values of the column that is a classification if they are codes.
-    pub(super) codes: Option<Vec<f32>>,
+    /// The points so far; colors, alphas and classes, the last scalar then, may be as they are stored.
+    pub cloud: Cloud,
 }
 
 /// Does the same to every column of a table.
 macro_rules! each_column {
     ($table:expr, |$column:ident| $what:expr) => {{
-        let PointTable { cloud, codes } = $table;
+        let cloud = &mut $table.cloud;
         let $column = &mut cloud.positions;
         $what;
         cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|$column| $what);
-        let ones = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, codes].into_iter().flatten();
+        let ones = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity].into_iter().flatten();
         ones.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|$column| $what);
     }};
 }
@@ -61,9 +60,8 @@ impl TableFacts {
 impl PointTable {
     /// Returns columns of so many rows, all zero. Memory is taken as they are written.
     pub fn new(layout: &RowLayout, rows: usize) -> Self {
-        let codes = layout.classification.as_ref().map(|_| Vec::new());
-        let mut table = Self { cloud: layout.empty(), codes };
-        each_column!(&mut table, |column| *column = zeroed_vec(rows));
+        let mut table = Self { cloud: layout.empty() };
+        each_column!(table, |column| *column = zeroed_vec(rows));
         table
     }
 
@@ -90,7 +88,7 @@ impl PointTable {
             non_finite: parts.iter().map(|part| part.cloud.non_finite).sum(),
             ..empty.cloud
         };
-        Self { cloud, codes: taken_optional(parts, |part| &mut part.codes) }
+        Self { cloud }
     }
 
     /// Adds a row, or counts it if its position is not finite.
@@ -112,7 +110,6 @@ impl PointTable {
         add(&mut cloud.alphas, layout.alpha(value));
         add(&mut cloud.radii, layout.radius(value));
         add(&mut cloud.intensity, layout.intensity(value));
-        add(&mut self.codes, layout.code(value));
         for ((_, values), value) in cloud.scalars.iter_mut().zip(layout.scalars(value)) {
             values.push(value);
         }
@@ -145,11 +142,6 @@ impl PointTable {
         each_column!(self, |column| compact(column, run, kept));
     }
 
-    /// Returns the points so far; colors, alphas and classes may be as they are stored.
-    pub fn points(&self) -> &Cloud {
-        &self.cloud
-    }
-
     /// Returns what these rows tell of all.
     pub fn whole(&self, layout: &RowLayout) -> TableFacts {
         let cloud = &self.cloud;
@@ -158,9 +150,10 @@ impl PointTable {
         let largest_color = || largest(bytemuck::cast_slice(cloud.colors.as_deref().unwrap_or_default()));
         let largest_alpha = || largest(cloud.alphas.as_deref().unwrap_or_default());
         let is_code = |code: &f32| (0.0..=255.0).contains(code) && code.fract() == 0.0;
+        let classes = cloud.scalars.last().filter(|_| layout.classified);
         TableFacts {
             directed: cloud.normals.as_deref().unwrap_or_default().par_iter().any(|&n| n != Vec3::ZERO),
-            codes: self.codes.as_deref().unwrap_or_default().par_iter().all(is_code),
+            codes: classes.is_none_or(|(_, values)| values.par_iter().all(is_code)),
             largest: [colors.then(largest_color).flatten(), alphas.then(largest_alpha).flatten()],
         }
     }
@@ -175,12 +168,9 @@ impl PointTable {
     /// are all zero are dropped.
     pub fn finish(self, layout: &RowLayout, whole: &TableFacts) -> Cloud {
         let mut cloud = self.cloud;
-        if let (Some(codes), Some((_, name))) = (self.codes, &layout.classification) {
-            if whole.codes {
-                cloud.classification = Some(parallel::map_each(&codes, |&code| code as u8));
-            } else {
-                cloud.scalars.push((name.clone(), codes));
-            }
+        if layout.classified && whole.codes {
+            let codes = cloud.scalars.pop();
+            cloud.classification = codes.map(|(_, codes)| parallel::map_each(&codes, |&code| code as u8));
         }
         let [colors, alphas] = layout.measures();
         if colors {
@@ -247,7 +237,7 @@ mod tests {
                 Ok::<_, ()>(left_out)
             });
             assert_eq!(left_out.unwrap(), (0..20).map(|at| 8 + 5 * at).take(19).collect::<Vec<_>>());
-            assert_eq!((&filled.cloud, &filled.codes), (&pushed.cloud, &pushed.codes), "runs of {run}");
+            assert_eq!(filled.cloud, pushed.cloud, "runs of {run}");
             assert_eq!(filled.cloud.non_finite, 19);
         }
         let parts = rows.chunks(40).map(|rows| {
@@ -257,7 +247,7 @@ mod tests {
             part
         });
         let joined = PointTable::join(&layout, parts.collect());
-        assert_eq!((&joined.cloud, &joined.codes), (&pushed.cloud, &pushed.codes));
+        assert_eq!(joined.cloud, pushed.cloud);
         let whole = pushed.whole(&layout);
         assert!(whole.directed && whole.codes);
         let cloud = pushed.finish(&layout, &whole);

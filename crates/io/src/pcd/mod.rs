@@ -79,7 +79,7 @@ fn check_claim(source: &InputFile, header: &Header) -> Result<(), Error> {
         }
         Encoding::Binary => (header.record_len(), left / header.record_len().max(1)),
         // Checked when the compressed size is known.
-        Encoding::Compressed => (0, lzf_limit(left) / header.record_len().max(1)),
+        Encoding::Compressed => (0, left.saturating_mul(lzf::MAX_EXPANSION as u64) / header.record_len().max(1)),
     };
     let empty = header.numbers() == 0 && header.points > 0;
     if header.points > possible || empty {
@@ -94,11 +94,6 @@ fn check_claim(source: &InputFile, header: &Header) -> Result<(), Error> {
         return Err(source.malformed("header", cause));
     }
     Ok(())
-}
-
-/// The largest size that this many compressed bytes can expand to.
-fn lzf_limit(bytes: u64) -> u64 {
-    bytes.saturating_mul(lzf::MAX_EXPANSION as u64)
 }
 
 fn ascii(

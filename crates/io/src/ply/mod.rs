@@ -178,7 +178,8 @@ impl Records {
 fn check_claim(source: &InputFile, elements: &[Element], header_len: u64, text: bool) -> Result<(), Error> {
     let mut left = source.len.saturating_sub(header_len);
     for element in elements {
-        let least = if text { element.least_text() } else { element.least_bytes() };
+        // The shortest line has a digit and a separator for each value.
+        let least = if text { 2 * element.properties.len() as u64 } else { element.least_bytes() };
         // The last line of a text needs no line end.
         let room = left + u64::from(text);
         if let Some(possible) = room.checked_div(least).filter(|&possible| possible < element.count) {
@@ -197,11 +198,6 @@ impl Element {
     /// Bytes of one binary record with all its lists empty.
     fn least_bytes(&self) -> u64 {
         self.properties.iter().map(|p| header::size(p.kind.first())).sum()
-    }
-
-    /// Bytes of the shortest line: a digit and a separator for each value.
-    fn least_text(&self) -> u64 {
-        2 * self.properties.len() as u64
     }
 
     /// The properties that are no lists.

@@ -43,7 +43,7 @@ pub(super) fn reader(path: &Path, extension: &str, start: &[u8]) -> Option<Reade
         _ if start.starts_with(spz::MAGIC) || start.starts_with(spz::GZIP) => Some(spz::read),
         _ if start.starts_with(sog::MAGIC) => Some(sog::read),
         _ if start.starts_with(gltf::MAGIC) => Some(gltf::read),
-        "json" if is_text && sog::is_meta(path) => Some(sog::read),
+        "json" if is_text && path.file_name().is_some_and(|name| name == META) => Some(sog::read),
         "gltf" if is_text => Some(gltf::read),
         "splat" => Some(raw::read),
         "ksplat" => Some(ksplat::read),

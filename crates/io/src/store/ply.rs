@@ -119,7 +119,7 @@ impl PlySurvey {
         let (table, left_out) = rows.parse(piece.clone(), &Progress::hidden())?;
         self.whole = self.whole.and(table.whole(&rows.layout));
         self.non_finite += left_out.len();
-        let points = table.points();
+        let points = table.cloud;
         let first = self.points.next_multiple_of(self.step) - self.points;
         self.sample.extend(points.positions.iter().skip(first).step_by(self.step));
         self.points += points.len();

@@ -191,7 +191,7 @@ fn entry(
     let values = scaled.filter(|_| met.own).map(|(_, scale)| Values {
         scale,
         whole: matches!(coloring.by(), Some(ColorBy::Return | ColorBy::Source)),
-        note: coloring.is_modulated().then_some("darker where intensity is small"),
+        note: coloring.choice.modulated.then_some("darker where intensity is small"),
         map: settings.coloring.colormap.map(),
         reverse: settings.coloring.reverse,
     });

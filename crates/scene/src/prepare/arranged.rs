@@ -50,7 +50,7 @@ impl Arranged {
         match self {
             Self::Canonical(_) => &[],
             Self::Dealt(dealt) => &dealt.surfaces,
-            Self::Supplied(supplied) => supplied.dealt.as_ref().map_or(&[], |file| file.surfaces()),
+            Self::Supplied(supplied) => supplied.dealt.as_ref().map_or(&[], |file| &file.surfaces),
         }
     }
 }

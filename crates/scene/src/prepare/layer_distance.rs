@@ -67,7 +67,7 @@ fn of_run(positions: &[DVec3], stride: usize) -> Vec<f64> {
     let Some(places) = Places::group(&distinct, None).filter(|places| places.len() > NEIGHBORS) else {
         return Vec::new();
     };
-    let around = |place: usize| places.others(place, NEIGHBORS).1 * places.unit() * (PI / NEIGHBORS as f64).sqrt();
+    let around = |place: usize| places.others(place, NEIGHBORS).1 * places.unit * (PI / NEIGHBORS as f64).sqrt();
     parallel::map(places.len().div_ceil(stride), |i| around(i * stride))
 }
 
@@ -79,14 +79,7 @@ mod tests {
     use rand_pcg::Pcg64;
 
     fn points(positions: Vec<DVec3>) -> Points {
-        let count = positions.len();
-        order::canonical(Points {
-            positions,
-            colors: vec![glam::Vec3::ONE; count],
-            opacities: vec![1.0; count],
-            radii: vec![0.0; count],
-            ..Points::default()
-        })
+        order::canonical(pellucid_testing_host::white(positions, 1.0))
     }
 
     /// Random points on a unit square.

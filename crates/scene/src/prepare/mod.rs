@@ -17,6 +17,7 @@ pub mod radius;
 pub mod sampled;
 pub mod store;
 pub mod surface;
+mod temporary;
 #[doc(hidden)]
 pub mod ties;
 

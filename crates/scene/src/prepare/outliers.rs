@@ -41,7 +41,7 @@ pub fn find(positions: &[DVec3], rule: Rule, progress: &Progress) -> Vec<bool> {
 /// The mean distance of a point at a place to its `k` nearest others; those in the same place have distance 0.
 fn mean_distance(places: &Places, place: usize, others: &[u32], k: usize) -> f64 {
     let here = places.positions[places.members(place).start];
-    let distance = |&rank: &u32| ((places.positions[rank as usize] - here) / places.unit()).length();
+    let distance = |&rank: &u32| ((places.positions[rank as usize] - here) / places.unit).length();
     others.iter().map(distance).sum::<f64>() / k as f64
 }
 

@@ -93,7 +93,7 @@ pub(super) fn median(values: &mut [f64]) -> f64 {
 
 /// Eq. 20 for every point of a cloud, in the cloud's order, from the distance of the last neighbor of each place.
 pub(super) fn of_distances(places: &Places, ranks: &[u32], k: usize, distances: &[f64]) -> Vec<f32> {
-    let of_rank = |rank: &u32| of_distance(distances[places.place_of(*rank)] * places.unit(), k);
+    let of_rank = |rank: &u32| of_distance(distances[places.place_of(*rank)] * places.unit, k);
     parallel::map_each(ranks, of_rank)
 }
 

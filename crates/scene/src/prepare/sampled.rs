@@ -45,7 +45,7 @@ fn sample_by(positions: &[DVec3], own: Option<&[f32]>, (neighbors, cap): (usize,
 
 fn spacing(places: &Places, step: usize) -> Option<f64> {
     // As many neighbors as there are points here: the last of them is the first one elsewhere.
-    let nearest = |place: usize| places.others(place, places.members(place).len()).1 * places.unit();
+    let nearest = |place: usize| places.others(place, places.members(place).len()).1 * places.unit;
     let mut all: Vec<f64> = parallel::map(places.len().div_ceil(step), |i| nearest(i * step));
     (places.len() > 1).then(|| radius::median(&mut all))
 }
@@ -56,7 +56,7 @@ fn radii(places: &Places, step: usize, k: usize, cap: f32) -> Vec<f32> {
         return vec![0.0; places.order.len()];
     }
     let looked_at: Vec<f64> = parallel::map(places.len().div_ceil(step), |i| distance(places, i * step, k, cap));
-    let of_place = |place: usize| radius::of_distance(looked_at[place / step] * places.unit(), k);
+    let of_place = |place: usize| radius::of_distance(looked_at[place / step] * places.unit, k);
     (0..places.len()).flat_map(|place| std::iter::repeat_n(of_place(place), places.members(place).len())).collect()
 }
 
@@ -97,13 +97,8 @@ mod tests {
     fn small_clouds_have_the_radii_of_all_neighbors() {
         let positions = square(500);
         let radii = radius::estimate(&positions, RULE.0, RULE.1, &Progress::hidden());
-        let wanted = order::canonical(Points {
-            positions: positions.clone(),
-            colors: vec![glam::Vec3::ONE; positions.len()],
-            opacities: vec![1.0; positions.len()],
-            radii: radii.clone(),
-            ..Points::default()
-        });
+        let white = pellucid_testing_host::white(positions.clone(), 1.0);
+        let wanted = order::canonical(Points { radii: radii.clone(), ..white });
         let found = sample(&positions, None, RULE);
         assert_eq!((&found.positions, &found.radii), (&wanted.positions, &wanted.radii));
         let given = sample(&positions, Some(&radii), RULE);

@@ -122,7 +122,7 @@ pub(super) fn see(
     let axes = parallel::map_each(&seen, |(_, axis)| *axis);
     drop(seen);
     let ranks = places.ranks();
-    let last = parallel::map_each(&ranks, |&rank| distances[places.place_of(rank)] * places.unit());
+    let last = parallel::map_each(&ranks, |&rank| distances[places.place_of(rank)] * places.unit);
     let uncapped = radius::of_distances(places, &ranks, k, &distances);
     let distances = radius::capped(places, (k, cap), &lists, distances);
 
@@ -162,7 +162,7 @@ fn spreads(places: &Places, lists: &Lists, k: usize, distances: &[f64], ranked: 
 
 /// The moments of the points at a place and their neighbors elsewhere, in units of distance.
 fn moments(places: &Places, place: usize, others: &[u32]) -> Moments {
-    let (here, per_unit) = (places.positions[places.members(place).start], 1.0 / places.unit());
+    let (here, per_unit) = (places.positions[places.members(place).start], 1.0 / places.unit);
     let offsets = others.iter().map(|&rank| (places.positions[rank as usize] - here) * per_unit);
     Moments::around(places.members(place).len(), offsets)
 }

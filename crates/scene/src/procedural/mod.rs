@@ -115,6 +115,33 @@ pub struct Generated {
     pub scene_toml: String,
 }
 
+impl Generated {
+    /// A cloud by itself, before a camera on the z axis: what it is, and lines of the scene file, which are the keys of
+    /// `[image]`, the eye's height, the camera's lens, and the other keys of the cloud.
+    fn alone(name: &str, cloud: Cloud, [about, image, eye, lens, keys]: [&str; 5]) -> Self {
+        let scene_toml = format!(
+            r#"# {about}
+[image]
+{image}
+
+[camera]
+eye = [0.0, 0.0, {eye}]
+target = [0.0, 0.0, 0.0]
+up = [0.0, 1.0, 0.0]
+{lens}
+
+[[cloud]]
+path = "{name}.ply"
+{keys}
+
+[method]
+name = "abuffer"
+"#
+        );
+        Self { clouds: vec![(format!("{name}.ply"), cloud)], scene_toml }
+    }
+}
+
 /// Reason why a built-in scene could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

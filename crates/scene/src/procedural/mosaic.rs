@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::builder::CloudBuilder;
 use super::random::Random;
-use super::stack::{COLORS, EYE_Z, height, shuffle};
+use super::stack::{COLORS, height, scene, shuffle};
 use super::{Error, Generated, MAX_POINTS};
 
 /// Pixels between the centers of a layer's discs.
@@ -32,30 +32,9 @@ pub(super) fn generate([layers, size, opacity]: [f64; 3], seed: u64) -> Result<G
         let position = DVec3::new(x as f64 - 0.5 - middle, middle - (y as f64 - 0.5), height(layer, layers));
         builder.point(position, COLORS[random.index(COLORS.len())]);
     }
-    let scene_toml = format!(
-        r#"# {layers} layers of discs of 3 × 3 pixels, in the file in random order. A world unit is a pixel.
-[image]
-size = [{size}, {size}]
-
-[camera]
-eye = [0.0, 0.0, {EYE_Z:?}]
-target = [0.0, 0.0, 0.0]
-up = [0.0, 1.0, 0.0]
-height = {height:?}
-near = 0.5
-far = 2.5
-
-[[cloud]]
-path = "mosaic.ply"
-opacity = {opacity:?}
-radius = {RADIUS:?}
-
-[method]
-name = "abuffer"
-"#,
-        height = size as f64
-    );
-    Ok(Generated { clouds: vec![("mosaic.ply".to_owned(), builder.finish())], scene_toml })
+    let about =
+        format!("{layers} layers of discs of 3 × 3 pixels, in the file in random order. A world unit is a pixel.");
+    Ok(scene("mosaic", &about, size, [size as f64, opacity, RADIUS], builder.finish()))
 }
 
 /// Columns and rows of the pixels at the centers of a layer's discs, plus one: the blocks of 3 × 3 around them cover

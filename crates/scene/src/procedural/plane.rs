@@ -22,27 +22,9 @@ pub(super) fn generate([points, tilt, opacity]: [f64; 3], seed: u64) -> Result<G
     }
     // Independent points leave exp(−π·0.8²) = 13% of the square uncovered, whatever their number.
     let radius = (0.8 * 2.0 * HALF / (points as f64).sqrt()) as f32;
-    let scene_toml = format!(
-        r#"# A white plane of {points} random points after Tanaka et al., Fig. 5, tilted by {tilt} degrees.
-[image]
-size = [512, 512]
-background = [0.0, 0.0, 0.0]
-
-[camera]
-eye = [0.0, 0.0, 4.0]
-target = [0.0, 0.0, 0.0]
-up = [0.0, 1.0, 0.0]
-height = 2.5
-
-[[cloud]]
-path = "plane.ply"
-color_by = "rgb"
-opacity = {opacity:?}
-radius = {radius:?}
-
-[method]
-name = "abuffer"
-"#
-    );
-    Ok(Generated { clouds: vec![("plane.ply".to_owned(), builder.finish())], scene_toml })
+    let about =
+        format!("A white plane of {points} random points after Tanaka et al., Fig. 5, tilted by {tilt} degrees.");
+    let image = "size = [512, 512]\nbackground = [0.0, 0.0, 0.0]";
+    let keys = format!("color_by = \"rgb\"\nopacity = {opacity:?}\nradius = {radius:?}");
+    Ok(Generated::alone("plane", builder.finish(), [&about, image, "4.0", "height = 2.5", &keys]))
 }

@@ -32,23 +32,7 @@ pub(super) fn generate([count]: [f64; 1], seed: u64) -> Result<Generated, Error>
             }
         }
     }
-    Ok(Generated { clouds: vec![("spheres.ply".to_owned(), builder.finish())], scene_toml: SCENE.to_owned() })
+    let text =
+        ["Spheres, each a point with its own radius.", "size = [512, 512]", "5.0", "fov_y = 35.0", "opacity = 0.5"];
+    Ok(Generated::alone("spheres", builder.finish(), text))
 }
-
-const SCENE: &str = r#"# Spheres, each a point with its own radius.
-[image]
-size = [512, 512]
-
-[camera]
-eye = [0.0, 0.0, 5.0]
-target = [0.0, 0.0, 0.0]
-up = [0.0, 1.0, 0.0]
-fov_y = 35.0
-
-[[cloud]]
-path = "spheres.ply"
-opacity = 0.5
-
-[method]
-name = "abuffer"
-"#;

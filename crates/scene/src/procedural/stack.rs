@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::builder::{CloudBuilder, Rgb};
 use super::random::Random;
 use super::{Error, Generated};
+use pellucid_core::cloud::Cloud;
 
 /// Depths are in [1, 2), where float32 has 2²³ values: each layer has its own.
 pub(super) const MAX_LAYERS: f64 = (1u32 << 23) as f64;
@@ -27,29 +28,18 @@ pub(super) fn generate([layers, size, opacity]: [f64; 3], seed: u64) -> Result<G
     for layer in order {
         builder.point(DVec3::new(0.0, 0.0, height(layer, layers)), COLORS[layer % COLORS.len()]);
     }
-    let scene_toml = format!(
-        r#"# {layers} layers over the whole image, in the file in random order.
-[image]
-size = [{size}, {size}]
+    let about = format!("{layers} layers over the whole image, in the file in random order.");
+    Ok(scene("stack", &about, size, [2.0, opacity, RADIUS], builder.finish()))
+}
 
-[camera]
-eye = [0.0, 0.0, {EYE_Z:?}]
-target = [0.0, 0.0, 0.0]
-up = [0.0, 1.0, 0.0]
-height = 2.0
-near = 0.5
-far = 2.5
-
-[[cloud]]
-path = "stack.ply"
-opacity = {opacity:?}
-radius = {RADIUS:?}
-
-[method]
-name = "abuffer"
-"#
-    );
-    Ok(Generated { clouds: vec![("stack.ply".to_owned(), builder.finish())], scene_toml })
+/// Returns the scene of a cloud of layers: its name, what it is, the side of the image; the height of the image in
+/// world units, and opacity and radius of the points.
+pub(super) fn scene(name: &str, about: &str, size: usize, numbers: [f64; 3], cloud: Cloud) -> Generated {
+    let [height, opacity, radius] = numbers;
+    let image = format!("size = [{size}, {size}]");
+    let lens = format!("height = {height:?}\nnear = 0.5\nfar = 2.5");
+    let keys = format!("opacity = {opacity:?}\nradius = {radius:?}");
+    Generated::alone(name, cloud, [about, &image, &format!("{EYE_Z:?}"), &lens, &keys])
 }
 
 /// Returns the height of a layer below the eye, the first one on top.

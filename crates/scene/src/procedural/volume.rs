@@ -27,27 +27,10 @@ pub(super) fn generate([points, layers]: [f64; 2], seed: u64) -> Result<Generate
     }
     let cloud = builder.finish();
     let radius = solve_radius(&cloud.positions, layers)? as f32;
-    let scene_toml = format!(
-        r#"# {points} random points; {layers} layers per covered pixel on average at this size and view.
-[image]
-size = [{SIZE}, {SIZE}]
-
-[camera]
-eye = [0.0, 0.0, 4.0]
-target = [0.0, 0.0, 0.0]
-up = [0.0, 1.0, 0.0]
-height = {HEIGHT:?}
-
-[[cloud]]
-path = "volume.ply"
-opacity = 0.05
-radius = {radius:?}
-
-[method]
-name = "abuffer"
-"#
-    );
-    Ok(Generated { clouds: vec![("volume.ply".to_owned(), cloud)], scene_toml })
+    let about = format!("{points} random points; {layers} layers per covered pixel on average at this size and view.");
+    let (image, lens) = (format!("size = [{SIZE}, {SIZE}]"), format!("height = {HEIGHT:?}"));
+    let keys = format!("opacity = 0.05\nradius = {radius:?}");
+    Ok(Generated::alone("volume", cloud, [&about, &image, "4.0", &lens, &keys]))
 }
 
 /// Bisection on the radius: the mean grows with it, up to the discreteness of pixels.

@@ -230,11 +230,11 @@ const MOMENTS: Ladder = Ladder::new(&[4, 6, 8], &[4, 8]);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum MomentCount {
     /// 4
-    Four,
+    Four = 4,
     /// 6
-    Six,
+    Six = 6,
     /// 8
-    Eight,
+    Eight = 8,
 }
 
 impl MomentCount {
@@ -243,11 +243,7 @@ impl MomentCount {
 
     /// Returns the number.
     pub fn get(self) -> u32 {
-        match self {
-            Self::Four => 4,
-            Self::Six => 6,
-            Self::Eight => 8,
-        }
+        self as u32
     }
 }
 

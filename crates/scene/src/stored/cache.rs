@@ -3,17 +3,14 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::{DVec3, Vec3};
-
 use crate::supply::Failure;
-use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::points::Points;
 
 /// The points of some blocks.
 #[derive(Debug)]
 pub(super) struct Cache {
     /// Bytes that it holds at most.
-    most: u64,
+    pub most: u64,
     held: Mutex<CachedPoints>,
 }
 
@@ -32,11 +29,6 @@ impl Cache {
     /// Returns an empty one.
     pub fn new(most: u64) -> Self {
         Self { most, held: Mutex::default() }
-    }
-
-    /// Returns the number of bytes that it holds at most.
-    pub fn most(&self) -> u64 {
-        self.most
     }
 
     /// Returns the number of bytes that were read of the store so far.
@@ -88,7 +80,7 @@ impl CachedPoints {
     }
 
     fn add(&mut self, block: u32, points: &Arc<Points>, most: u64) {
-        let bytes = bytes_of(points);
+        let bytes = points.bytes();
         // Another thread may have read the same.
         if bytes > most || self.points.contains_key(&block) {
             return;
@@ -96,7 +88,7 @@ impl CachedPoints {
         while self.bytes + bytes > most {
             let Some((_, oldest)) = self.used.pop_first() else { break };
             if let Some((points, _)) = self.points.remove(&oldest) {
-                self.bytes -= bytes_of(&points);
+                self.bytes -= points.bytes();
             }
         }
         self.now += 1;
@@ -106,18 +98,10 @@ impl CachedPoints {
     }
 }
 
-/// Bytes of some points in memory.
-fn bytes_of(points: &Points) -> u64 {
-    let vectors = points.colors.len() + points.normals.as_ref().map_or(0, Vec::len);
-    let positions = points.positions.len() + points.unseen.positions.len();
-    let floats = points.opacities.len() + points.radii.len() + points.fields.len() + points.unseen.radii.len();
-    let numbers = points.file_order.len() + points.dealt_ids.len();
-    let splats = points.gaussians.as_ref().map_or(0, |all| all.len() as u64 * Gaussians::bytes_each(all.degree));
-    (positions * size_of::<DVec3>() + vectors * size_of::<Vec3>() + 4 * (floats + numbers)) as u64 + splats
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     #[test]

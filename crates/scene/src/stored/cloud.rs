@@ -62,7 +62,7 @@ impl StoredCloud {
         legend: &mut Legend,
         progress: &Progress,
     ) -> Result<(Self, Points), crate::OpenError> {
-        let (settings, store) = (&scene.clouds[index], Arc::clone(opened.store()));
+        let (settings, store) = (&scene.clouds[index], Arc::clone(&opened.store));
         let like = &store.summary().like;
         let request = request(scene, index, like)?;
         if let Some(what) = request.missing(like) {

@@ -77,7 +77,8 @@ mod tests {
         // one.
         let nodes = [node(None, 100, 4.0), node(Some(0), 27, 2.0), node(Some(0), 9, 2.0)];
         let growth = (102.0f64 / 75.0).sqrt() as f32;
-        assert_eq!(branches(&nodes, 1.0).map_growth(), [1.0, growth, (34.0f64 / 25.0).sqrt() as f32]);
+        let found: Vec<f32> = branches(&nodes, 1.0).into_iter().flatten().map(|branch| branch.growth).collect();
+        assert_eq!(found, [1.0, growth, (34.0f64 / 25.0).sqrt() as f32]);
     }
 
     #[test]
@@ -98,15 +99,5 @@ mod tests {
         let without = [node(None, 5, 0.0), node(None, 5, 0.0)];
         assert_eq!(branches(&without, 1.0), [None, None]);
         assert!(branches(&[], 1.0).is_empty());
-    }
-
-    trait Growth {
-        fn map_growth(&self) -> Vec<f32>;
-    }
-
-    impl Growth for Vec<Option<Branch>> {
-        fn map_growth(&self) -> Vec<f32> {
-            self.iter().flatten().map(|branch| branch.growth).collect()
-        }
     }
 }

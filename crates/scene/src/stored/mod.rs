@@ -32,7 +32,7 @@ use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::cloud::{Bounds, UpAxis};
 use pellucid_core::parallel;
-use pellucid_core::points::{Anchor, Points, Spheres, Unseen, WholeScene, WholeSplats};
+use pellucid_core::points::{Anchor, Points, Spheres, WholeScene, WholeSplats};
 use pellucid_core::progress::{Phase, Progress};
 use pellucid_io as io;
 use pellucid_io::store;
@@ -83,15 +83,16 @@ pub fn are_complete(scene: &Scene, stores: &[OpenStore]) -> Result<bool, Error> 
 #[derive(Debug, Clone)]
 pub struct Stored {
     nodes: Arc<Nodes>,
-    /// Points of the scene that stand for all.
-    sample: Arc<Points>,
+    /// Some points that stand for all, with what is known of all ([`Points::whole`]).
+    pub sample: Arc<Points>,
     /// Meaning of the colors of the points, by those that stand for all.
-    legend: Legend,
-    notes: Vec<String>,
-    /// `true` if colors are blended encoded because all clouds are Gaussians.
-    displays: bool,
-    /// `true` if some are.
-    gaussians: bool,
+    pub legend: Legend,
+    /// Everything else that should be known, one sentence each.
+    pub notes: Vec<String>,
+    /// `true` if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of it.
+    pub blends_displays: bool,
+    /// `true` if some clouds are of Gaussians.
+    pub has_gaussians: bool,
 }
 
 /// The nodes of all clouds.
@@ -129,10 +130,10 @@ impl Stored {
     ) -> Result<Self, crate::OpenError> {
         progress.begin(Phase::Prepare);
         let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
-        let has_gaussians =
+        let is_of_gaussians =
             |index: usize| stores.get(index).is_some_and(|store| store.summary().like.gaussians.is_some());
-        let displays = scene.settle_for(has_gaussians);
-        let gaussians = (0..stores.len()).any(has_gaussians);
+        let blends_displays = scene.settle_for(is_of_gaussians);
+        let has_gaussians = (0..stores.len()).any(is_of_gaussians);
         let mut notes = Vec::new();
         let is_unlit = is_unlit(&scene, stores);
         if is_unlit {
@@ -163,8 +164,8 @@ impl Stored {
         let bounds = bounds.ok_or_else(|| no_points(&scene, &sample))?;
         let (blocks, places) = blocks(&scene, &clouds);
         let sampling = Sampling::of(count);
-        let (seen, unseen) = within(&sample, sampling);
-        let sampled = (seen.iter().map(|at| sample.positions[*at as usize]).collect(), sampling.every());
+        let sample = sample.taken_by(sampling);
+        let sampled = (sample.positions.clone(), sampling.every());
         let splats = clouds.iter().filter_map(|cloud| cloud.splats).reduce(WholeSplats::and);
         let (cache, most) = (Cache::new(memory / 2), (memory / taken_bytes(splats)).max(1));
         let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache, sampled, most });
@@ -179,18 +180,13 @@ impl Stored {
             identity: clouds.iter().map(StoredCloud::identity).collect::<Vec<_>>().join("\n"),
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };
-        let sample = Arc::new(stand_ins(&sample, &seen, &unseen, whole));
-        Ok(Self { nodes, sample, legend, notes, displays, gaussians })
+        let sample = Arc::new(Points { whole: Some(Arc::new(whole)), ..sample });
+        Ok(Self { nodes, sample, legend, notes, blends_displays, has_gaussians })
     }
 
     /// Returns the scene, without shading where points have no normals to shade by.
     pub fn scene(&self) -> &Scene {
         &self.nodes.scene
-    }
-
-    /// Returns some points that stand for all, with what is known of all ([`Points::whole`]).
-    pub fn sample(&self) -> &Points {
-        &self.sample
     }
 
     /// Returns all points, block by block.
@@ -222,7 +218,7 @@ impl Stored {
         let settings = dealt_file::DealSettings {
             has_normals: nodes.clouds.iter().any(StoredCloud::has_normals),
             seed,
-            memory: nodes.cache.most(),
+            memory: nodes.cache.most,
             folder: folder.to_path_buf(),
         };
         let file = DealtFile::deal(sources.collect(), &settings, progress)?;
@@ -238,35 +234,14 @@ impl Stored {
         most_frequent(self.nodes.clouds.iter().map(|cloud| cloud.store.summary().up))
     }
 
-    /// Returns what the colors of the points mean.
-    pub fn legend(&self) -> &Legend {
-        &self.legend
-    }
-
     /// Returns `true` if points have other classes than 0 and 1, which say that nothing was classified.
     pub fn is_classified(&self) -> bool {
         self.nodes.clouds.iter().any(|cloud| (2..=u8::MAX).any(|code| cloud.facts.has_class(code)))
     }
 
-    /// Returns what else should be known, one sentence each.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
     /// Returns how clouds are colored and why, a phrase for each.
     pub fn colorings(&self) -> Vec<String> {
         self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
-    }
-
-    /// Returns `true` if some clouds are of Gaussians.
-    pub fn has_gaussians(&self) -> bool {
-        self.gaussians
-    }
-
-    /// Returns `true` if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of
-    /// it.
-    pub fn blends_displays(&self) -> bool {
-        self.displays
     }
 
     /// Returns the blocks of all points.
@@ -371,9 +346,7 @@ impl Spheres for Nodes {
 
     fn of_group(&self, group: usize) -> Vec<(DVec3, f64)> {
         let Ok(points) = self.part(group) else { return Vec::new() };
-        let unseen = points.unseen.positions.iter().zip(&points.unseen.radii);
-        let all = points.positions.iter().zip(&points.radii).chain(unseen);
-        all.map(|(position, radius)| (*position, f64::from(*radius))).collect()
+        points.spheres().collect()
     }
 }
 
@@ -385,23 +358,6 @@ fn is_unlit(scene: &Scene, stores: &[OpenStore]) -> bool {
         like.normals.is_none() && !gaussians::are_drawn(scene, settings, like)
     };
     scene.shading_normals().is_some() && scene.clouds.iter().zip(stores).any(lacks)
-}
-
-/// The places in a list of the points that stand for all of the scene: those that are drawn, and the others.
-fn within(points: &Points, sampling: Sampling) -> (Vec<u32>, Vec<u32>) {
-    let takes = |positions: &[DVec3]| {
-        let taken = positions.iter().enumerate().filter(|(_, position)| sampling.takes(**position));
-        taken.map(|(at, _)| at as u32).collect()
-    };
-    (takes(&points.positions), takes(&points.unseen.positions))
-}
-
-/// Makes points that stand for all out of these.
-fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: WholeScene) -> Points {
-    let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
-    let (positions, radii) = unseen.iter().map(pick).unzip();
-    let seen = points.subset(seen, 1.0);
-    Points { unseen: Arc::new(Unseen { positions, radii }), whole: Some(Arc::new(whole)), ..seen }
 }
 
 /// The blocks of clouds, with cloud and node of each.

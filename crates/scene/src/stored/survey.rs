@@ -24,7 +24,7 @@ const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 /// A store, with its last survey.
 #[derive(Debug, Clone)]
 pub struct OpenStore {
-    store: Arc<dyn Store>,
+    pub(super) store: Arc<dyn Store>,
     found: Arc<Mutex<Option<KnownSurvey>>>,
 }
 
@@ -50,10 +50,6 @@ impl OpenStore {
     /// Returns the last survey; `None` before a scene was made of this store.
     pub fn surveyed(&self) -> Option<StoreSurvey> {
         self.found.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|found| found.survey.clone())
-    }
-
-    pub(super) fn store(&self) -> &Arc<dyn Store> {
-        &self.store
     }
 
     /// Surveys like [`survey`]; points are looked at once for all scenes that want the same of them.

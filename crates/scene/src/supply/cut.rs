@@ -52,10 +52,12 @@ pub struct Cut {
     random: Random,
     /// `true` if some blocks have no levels.
     is_random: bool,
-    /// Pixels between points, at most.
-    px: f64,
-    nowhere: DVec3,
-    most_growth: f32,
+    /// Pixels that points are apart at most, where there are so many: those asked for, or more to be as few as asked for.
+    pub px: f64,
+    /// Place that the picture doesn't show.
+    pub nowhere: DVec3,
+    /// Factor by which radii grow, at most.
+    pub most_growth: f32,
 }
 
 impl Debug for Cut {
@@ -147,25 +149,9 @@ impl Cut {
         Self { tree, kept, blocks, numbers, random, is_random, px, nowhere, most_growth, whole }
     }
 
-    /// Returns the pixels that points are apart at most, where there are so many: those asked for, or more to be as few
-    /// as asked for.
-    pub fn px(&self) -> f64 {
-        self.px
-    }
-
     /// Returns the number of points in all blocks; of clouds without levels about as many.
     pub fn points(&self) -> u64 {
         self.blocks.iter().map(|block| block.points).sum()
-    }
-
-    /// No radius grows by a larger factor.
-    pub fn most_growth(&self) -> f32 {
-        self.most_growth
-    }
-
-    /// Returns a place that the picture doesn't show.
-    pub fn nowhere(&self) -> DVec3 {
-        self.nowhere
     }
 
     fn keeps(&self, position: DVec3, number: u32) -> bool {

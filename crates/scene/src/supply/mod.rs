@@ -234,14 +234,11 @@ impl Supply for HeldPoints {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
 
     fn points(positions: Vec<DVec3>) -> Points {
-        let count = positions.len();
-        let radii = (0..count).map(|i| i as f32).collect();
-        Points { positions, radii, colors: vec![Vec3::ONE; count], opacities: vec![0.5; count], ..Points::default() }
+        let radii = (0..positions.len()).map(|i| i as f32).collect();
+        Points { radii, ..pellucid_testing_host::white(positions, 0.5) }
     }
 
     #[test]

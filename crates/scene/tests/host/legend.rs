@@ -87,7 +87,7 @@ fn values_have_the_ends_that_their_colors_have() {
     let found = legend(&["color_by = 'dose'\nrange = [1, 100]\nlog = true\nreverse = true\ncolormap = 'grey'"], "");
     let entry = &found.entries[0];
     let values = entry.values.as_ref().unwrap();
-    assert_eq!((values.scale.ends(), values.scale.is_log()), ([1.0, 100.0], true));
+    assert_eq!((values.scale.ends(), values.scale.log), ([1.0, 100.0], true));
     assert_eq!([0.0, 0.25, 1.0].map(|place| values.srgb(place).x), [1.0, 0.75, 0.0]);
     // A dose of 0 and one that is no number.
     assert_eq!((entry.heading.as_deref(), labels(&entry.swatches)), (Some("dose"), vec!["no value"]));

@@ -76,7 +76,8 @@ pub fn read(text: &str, path: &Path) -> Result<Cameras, Error> {
         views.push(View { eye, turn, angle });
     }
     let mut warnings = warnings(&intrinsics);
-    if intrinsics.is_empty() && bent(&file) {
+    let is_bent = |frame: &Frame| Both { frame: &frame.lens, file: &file.lens }.is_distorted();
+    if intrinsics.is_empty() && file.frames.iter().any(is_bent) {
         warnings.push("the lens distortion is ignored".to_owned());
     }
     if file.applied_transform.is_some() {
@@ -88,10 +89,6 @@ pub fn read(text: &str, path: &Path) -> Result<Cameras, Error> {
     let name = path.display();
     let warnings = warnings.into_iter().map(|warning| format!("{name}: {warning}")).collect();
     Ok(Cameras { views, size: intrinsics.first().map(Intrinsics::pixels), warnings })
-}
-
-fn bent(file: &File) -> bool {
-    file.frames.iter().any(|frame| Both { frame: &frame.lens, file: &file.lens }.is_distorted())
 }
 
 /// Eye and rotation of a camera-to-world matrix.

@@ -31,11 +31,6 @@ pub(crate) const META: &str = "meta.json";
 /// Entries of a row of the palette of harmonics.
 const PALETTE_ROW: usize = 64;
 
-/// Returns `true` if a file is called as the one that describes the pictures beside it.
-pub(super) fn is_meta(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name == META)
-}
-
 /// Returns `true` for a folder with the file that describes pictures.
 pub(crate) fn is_folder(path: &Path) -> bool {
     path.is_dir() && path.join(META).is_file()

@@ -119,7 +119,6 @@ impl Cell {
     }
 
     /// Returns the cell of a code of some levels below this one.
-    #[cfg(test)]
     pub(super) fn below(self, code: u64, levels: u32) -> Self {
         (0..levels).rev().fold(self, |cell, level| cell.child((code >> (3 * level) & 7) as u32))
     }

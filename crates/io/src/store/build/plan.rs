@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cube::{Cell, Cube};
 use super::survey::Counts;
+use pellucid_core::morton::divided;
 
 /// Points that are put into nodes together: those of some cells in a row along the Morton curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,10 +30,10 @@ impl ChunkPlan {
     /// Returns the largest cells with at most so many points, and as many of them in each chunk as fit. A cell that has
     /// more is a chunk of its own, if it is as small as those that were counted.
     pub fn new(base: Cell, counts: &Counts, most: u64) -> Self {
-        let mut whole = Vec::new();
-        divide(base, 0, counts.levels, &counts.sorted(), most, &mut whole);
-        let mut plan = Self { base, levels: counts.levels, chunks: Vec::new(), starts: Vec::new() };
-        for (cell, code, points) in whole {
+        let levels = counts.levels;
+        let mut plan = Self { base, levels, chunks: Vec::new(), starts: Vec::new() };
+        for (level, code, points) in divided(levels, &counts.sorted(), most) {
+            let cell = base.below(code >> (3 * (levels - level)), level);
             match plan.chunks.last_mut() {
                 Some(chunk) if chunk.points.saturating_add(points) <= most => {
                     chunk.cells.push((cell, points));
@@ -51,25 +52,6 @@ impl ChunkPlan {
     pub fn chunk_of(&self, cube: &Cube, steps: [u32; 3]) -> usize {
         let code = cube.code(steps, self.base.level, self.levels);
         self.starts.partition_point(|start| *start <= code).saturating_sub(1)
-    }
-}
-
-/// Adds cells, with their first codes and their points.
-fn divide(cell: Cell, code: u64, levels: u32, counts: &[(u64, u64)], most: u64, cells: &mut Vec<(Cell, u64, u64)>) {
-    let points: u64 = counts.iter().map(|(_, points)| points).sum();
-    if points <= most || levels == 0 {
-        if points > 0 {
-            cells.push((cell, code, points));
-        }
-        return;
-    }
-    let mut rest = counts;
-    for digit in 0..8 {
-        let first = code + (u64::from(digit) << (3 * (levels - 1)));
-        let end = first + (1 << (3 * (levels - 1)));
-        let (part, others) = rest.split_at(rest.partition_point(|(code, _)| *code < end));
-        divide(cell.child(digit), first, levels - 1, part, most, cells);
-        rest = others;
     }
 }
 

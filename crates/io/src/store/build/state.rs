@@ -62,11 +62,6 @@ impl State {
         folder.join(STATE).exists()
     }
 
-    /// Returns `true` if a pass or a part of one is done.
-    pub fn is_begun(&self) -> bool {
-        self.survey.is_some() || self.assembled.is_some()
-    }
-
     /// Writes it down.
     pub fn save(&self, folder: &Path) -> Result<(), Error> {
         let path = folder.join(STATE);

@@ -43,7 +43,7 @@ pub(super) fn make(
     check_target(folder)?;
     let work = state::work_folder(folder);
     let state = State::load(&work, key.to_owned())?;
-    let is_begun = state.is_begun();
+    let is_begun = state.survey.is_some() || state.assembled.is_some();
     let mut made = run(&work, state);
     if made.is_err() && !State::is_there(&work) {
         state::clear(&work)?;

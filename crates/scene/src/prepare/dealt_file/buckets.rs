@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::pile::{FileExtent, Pile, words_of};
+use super::pile::{FileExtent, Pile};
 use super::records::RecordLayout;
 use pellucid_io::Error;
 
@@ -79,7 +79,7 @@ impl BucketPlan {
 
 /// The buckets of a cloud.
 pub(super) struct Buckets<'a> {
-    plan: BucketPlan,
+    pub plan: BucketPlan,
     pile: &'a Pile,
     /// Flushed extents and pending words of each bucket.
     all: Vec<(Vec<FileExtent>, Vec<u32>)>,
@@ -89,11 +89,6 @@ impl<'a> Buckets<'a> {
     /// Empty ones.
     pub fn new(plan: BucketPlan, pile: &'a Pile) -> Self {
         Self { plan, pile, all: vec![(Vec::new(), Vec::new()); plan.buckets as usize] }
-    }
-
-    /// Returns the layout of the buckets.
-    pub fn plan(&self) -> BucketPlan {
-        self.plan
     }
 
     /// Adds a point to the bucket of its word, if there is one.
@@ -131,7 +126,7 @@ impl<'a> Buckets<'a> {
 
 /// Returns the number of points of some extents.
 pub(super) fn points_of(layout: RecordLayout, extents: &[FileExtent]) -> u64 {
-    words_of(extents) / layout.words() as u64
+    extents.iter().map(|extent| extent.words).sum::<u64>() / layout.words() as u64
 }
 
 #[cfg(test)]

@@ -179,7 +179,7 @@ impl List {
         mut sharing: Option<&mut Buckets<'_>>,
         progress: &Progress,
     ) -> Result<(), Error> {
-        let (plan, collects, source) = (buckets.plan(), sharing.is_some(), &self.source);
+        let (plan, collects, source) = (buckets.plan, sharing.is_some(), &self.source);
         let read = |block: usize| -> Result<_, Error> {
             let points = (source.read)(block)?;
             let [mut alone, mut others]: [(Vec<u64>, Vec<u32>); 2] = Default::default();

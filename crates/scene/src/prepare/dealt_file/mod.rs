@@ -90,8 +90,10 @@ pub struct DealtFile {
     pile: Pile,
     layout: RecordLayout,
     lists: Vec<List>,
-    clouds: Vec<DealtCloud>,
-    surfaces: Vec<CloudSurface>,
+    /// The clouds, in the order of their points.
+    pub clouds: Vec<DealtCloud>,
+    /// Properties of their surfaces alone.
+    pub surfaces: Vec<CloudSurface>,
 }
 
 impl DealtFile {
@@ -132,16 +134,6 @@ impl DealtFile {
     /// Returns `true` if points have normals.
     pub fn has_normals(&self) -> bool {
         self.layout.has_normals
-    }
-
-    /// Returns the clouds, in the order of their points.
-    pub fn clouds(&self) -> &[DealtCloud] {
-        &self.clouds
-    }
-
-    /// Returns the properties of the surfaces alone.
-    pub fn surfaces(&self) -> &[CloudSurface] {
-        &self.surfaces
     }
 
     /// Returns the number of points that are in the file so far.
@@ -288,10 +280,12 @@ mod tests {
         }
     }
 
-    fn filed(clouds: &[Points]) -> DealtFile {
-        let folder = std::env::temp_dir();
-        let settings = DealSettings { has_normals: false, seed: SEED, memory: MEMORY, folder };
-        DealtFile::deal(clouds.iter().map(source).collect(), &settings, &Progress::hidden()).expect("dealt")
+    fn settings() -> DealSettings {
+        DealSettings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() }
+    }
+
+    fn list(points: &Points, place: u32) -> List {
+        List::new(source(points), place, &settings(), &Progress::hidden()).expect("read").expect("points")
     }
 
     fn assert_same(file: &DealtFile, dealt: &Dealt, range: Range<usize>) {
@@ -305,9 +299,8 @@ mod tests {
 
     /// The first points of a list of which no more than some are in the file.
     fn beginning(points: &Points) -> (DealtFile, Dealt) {
-        let settings = DealSettings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() };
-        let (pile, layout) = (Pile::new(&settings.folder).expect("a file"), RecordLayout { has_normals: false });
-        let list = List::new(source(points), 0, &settings, &Progress::hidden()).expect("read").expect("points");
+        let (pile, layout) = (Pile::new(&settings().folder).expect("a file"), RecordLayout { has_normals: false });
+        let list = list(points, 0);
         let dealt = deal(vec![points.clone()], SEED, &Progress::hidden());
         assert_eq!(list.len, points.len() as u64);
         let surfaces = dealt.surfaces.clone();
@@ -355,8 +348,9 @@ mod tests {
     fn clouds_are_dealt_one_behind_the_other() {
         let clouds = [wave(9_000), wave(20_000)];
         let dealt = deal(clouds.to_vec(), SEED, &Progress::hidden());
-        let file = filed(&clouds);
-        assert_eq!(file.surfaces(), &dealt.surfaces);
+        let sources = clouds.iter().map(source).collect();
+        let file = DealtFile::deal(sources, &settings(), &Progress::hidden()).expect("dealt");
+        assert_eq!(file.surfaces, dealt.surfaces);
         assert_same(&file, &dealt, 0..29_000);
         assert_same(&file, &dealt, 8_990..9_010);
     }
@@ -366,8 +360,7 @@ mod tests {
         let clouds = [wave(POINTS), wave(3_000)];
         let dealt = deal(clouds.to_vec(), SEED, &Progress::hidden());
         let (mut file, _) = beginning(&clouds[0]);
-        let settings = DealSettings { has_normals: false, seed: SEED, memory: MEMORY, folder: std::env::temp_dir() };
-        file.lists.push(List::new(source(&clouds[1]), 1, &settings, &Progress::hidden()).unwrap().unwrap());
+        file.lists.push(list(&clouds[1], 1));
         file.surfaces = dealt.surfaces.clone();
         let found = file.read(POINTS as u64 - 8..POINTS as u64 + 100).unwrap();
         assert_eq!(found.dealt_ids[..8], [0; 8]);

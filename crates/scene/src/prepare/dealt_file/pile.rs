@@ -1,18 +1,17 @@
 //! A temporary file to which pieces are added, and which are read and overwritten in any order.
 
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use pellucid_fault as fault;
+use super::super::temporary::TemporaryFile;
 use pellucid_io::Error;
 
 /// The file.
 #[derive(Debug)]
 pub(super) struct Pile {
-    /// Unnamed: it goes with the process. With it where it ends.
-    file: Mutex<(File, u64)>,
+    file: TemporaryFile,
+    /// Words that it has.
+    end: Mutex<u64>,
     folder: PathBuf,
 }
 
@@ -23,25 +22,21 @@ pub(super) struct FileExtent {
     pub words: u64,
 }
 
-/// Words of some extents.
-pub(super) fn words_of(extents: &[FileExtent]) -> u64 {
-    extents.iter().map(|extent| extent.words).sum()
-}
-
 impl Pile {
     /// Returns an empty one in a folder.
     pub fn new(folder: &Path) -> Result<Self, Error> {
-        let file = tempfile::tempfile_in(folder)
-            .map_err(|source| Error::Temporary { folder: folder.to_path_buf(), source })?;
-        Ok(Self { file: Mutex::new((file, 0)), folder: folder.to_path_buf() })
+        let folder = folder.to_path_buf();
+        match TemporaryFile::new(&folder) {
+            Ok(file) => Ok(Self { file, end: Mutex::new(0), folder }),
+            Err(source) => Err(Error::Temporary { folder, source }),
+        }
     }
 
     /// Adds words.
     pub fn add(&self, words: &[u32]) -> Result<FileExtent, Error> {
-        let mut locked = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let (file, end) = &mut *locked;
+        let mut end = self.end.lock().unwrap_or_else(PoisonError::into_inner);
         let extent = FileExtent { start: *end, words: words.len() as u64 };
-        self.write(file, extent.start, words)?;
+        self.write(extent.start, words)?;
         *end += extent.words;
         Ok(extent)
     }
@@ -51,15 +46,14 @@ impl Pile {
         let mut rest = words;
         for extent in extents {
             let (here, others) = rest.split_at(usize::try_from(extent.words).unwrap_or(usize::MAX));
-            self.write(&mut self.file.lock().unwrap_or_else(PoisonError::into_inner).0, extent.start, here)?;
+            self.write(extent.start, here)?;
             rest = others;
         }
         Ok(())
     }
 
-    fn write(&self, file: &mut File, start: u64, words: &[u32]) -> Result<(), Error> {
-        let written =
-            file.seek(SeekFrom::Start(4 * start)).and_then(|_| fault::write_all(file, bytemuck::cast_slice(words)));
+    fn write(&self, start: u64, words: &[u32]) -> Result<(), Error> {
+        let written = self.file.write(start, words);
         written.map_err(|source| Error::Temporary { folder: self.folder.clone(), source })
     }
 
@@ -67,11 +61,7 @@ impl Pile {
     pub fn read(&self, extent: FileExtent, into: &mut Vec<u32>) -> Result<(), Error> {
         let first = into.len();
         into.resize(first + usize::try_from(extent.words).unwrap_or(usize::MAX), 0);
-        let mut locked = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let file = &mut locked.0;
-        let read = file
-            .seek(SeekFrom::Start(4 * extent.start))
-            .and_then(|_| file.read_exact(bytemuck::cast_slice_mut(&mut into[first..])));
+        let read = self.file.read(extent.start, &mut into[first..]);
         read.map_err(|source| Error::Read { path: self.folder.clone(), source })
     }
 }

@@ -43,8 +43,8 @@ pub(super) struct Places {
     /// Finds places.
     tree: PlaceTree,
     columns: Columns,
-    /// The unit of distances.
-    unit: f64,
+    /// World units in which distances are given; a power of two.
+    pub unit: f64,
 }
 
 /// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of
@@ -150,11 +150,6 @@ impl Places {
             ranks[index] = rank as u32;
         }
         ranks
-    }
-
-    /// Returns world units in which distances are given; a power of two.
-    pub fn unit(&self) -> f64 {
-        self.unit
     }
 
     /// The number of the `k` nearest others of a point at `place` that have another position: 0 if `k` others share
@@ -380,7 +375,7 @@ pub(super) mod tests {
     /// Finds the neighbors by all distances, in the order that the module states.
     fn brute_force(places: &Places, place: usize, k: usize) -> (Vec<u32>, f64) {
         let here = places.positions[places.members(place).start];
-        let squared = |rank: usize| ((places.positions[rank] - here) / places.unit()).length_squared();
+        let squared = |rank: usize| ((places.positions[rank] - here) / places.unit).length_squared();
         let mut all: Vec<usize> =
             (0..places.positions.len()).filter(|rank| !places.members(place).contains(rank)).collect();
         let key = |rank: usize| places.positions[rank].to_array();

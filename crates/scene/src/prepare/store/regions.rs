@@ -7,7 +7,7 @@ use glam::{DVec3, UVec3};
 use super::super::morton;
 use super::source::RegionStore;
 use pellucid_core::cloud::{Bounds, Cloud};
-use pellucid_core::morton::BITS;
+use pellucid_core::morton::{BITS, divided};
 use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 use pellucid_io::Error;
@@ -74,26 +74,6 @@ pub(super) fn regions<T: Send>(
     }
     let mut counts: Vec<(u64, u64)> = counts.into_iter().collect();
     counts.sort_unstable();
-    let mut regions = Vec::new();
-    divide(Region { level: 0, code: 0 }, &counts, most, &mut regions);
-    Ok(regions)
-}
-
-fn divide(region: Region, counts: &[(u64, u64)], most: u64, regions: &mut Vec<Region>) {
-    let points: u64 = counts.iter().map(|(_, points)| points).sum();
-    if points == 0 {
-        return;
-    }
-    if points <= most || region.level == LEVELS {
-        regions.push(region);
-        return;
-    }
-    let mut rest = counts;
-    for digit in 0..8 {
-        let child = Region { level: region.level + 1, code: region.code << 3 | digit };
-        let end = (child.code + 1) << (3 * (LEVELS - child.level));
-        let (part, others) = rest.split_at(rest.partition_point(|(code, _)| *code < end));
-        divide(child, part, most, regions);
-        rest = others;
-    }
+    let region = |(level, code, _)| Region { level, code: code >> (3 * (LEVELS - level)) };
+    Ok(divided(LEVELS, &counts, most).into_iter().map(region).collect())
 }

@@ -110,7 +110,7 @@ impl Solver<'_> {
             let (others, _) = places.others(places.place_of(at as u32), k);
             balls.extend(others.into_iter().map(|rank| {
                 let (_, distance) = places.others(places.place_of(rank), k);
-                let radius = distance * places.unit() * WIDER + self.source.cell;
+                let radius = distance * places.unit * WIDER + self.source.cell;
                 (places.positions[rank as usize], radius)
             }));
             local = self.source.gather(&SpaceRegion::Balls(balls))?;

@@ -10,8 +10,8 @@ pub(super) struct Field<'a> {
     volume: &'a Volume,
     /// The finite ones, ascending.
     sorted: Vec<f32>,
-    /// `true` if values grow toward the outside.
-    rises: bool,
+    /// `true` if values grow toward the outside: on the volume's faces they are greater than elsewhere, on average.
+    pub rises: bool,
 }
 
 impl<'a> Field<'a> {
@@ -47,12 +47,6 @@ impl<'a> Field<'a> {
     /// Returns the difference between the two.
     pub fn range(&self) -> f64 {
         self.extremes().map_or(0.0, |[least, greatest]| greatest - least)
-    }
-
-    /// Returns `true` if values grow toward the outside: on the volume's faces they are greater than elsewhere, on
-    /// average.
-    pub fn rises(&self) -> bool {
-        self.rises
     }
 
     /// Returns the isovalue whose surface encloses this share of the volume's numbers. It lies between two of its
@@ -173,14 +167,14 @@ mod tests {
         values[13] = 9.0;
         let volume = Volume { dims: [3; 3], values };
         let field = Field::new(&volume);
-        assert!(!field.rises() && field.range() == 8.0);
+        assert!(!field.rises && field.range() == 8.0);
         assert_eq!(
             (field.enclosing(1.0 / 27.0), field.enclosing(0.2), field.enclosing(0.9)),
             (Some(6.5), Some(2.5), Some(2.5))
         );
         let negative = Volume { values: volume.values.iter().map(|v| -v).collect(), ..volume };
         let field = Field::new(&negative);
-        assert!(field.rises());
+        assert!(field.rises);
         assert_eq!((field.enclosing(1.0 / 27.0), field.enclosing(0.2)), (Some(-6.5), Some(-2.5)));
         let constant = Volume { dims: [2; 3], values: vec![3.0; 8] };
         assert_eq!(

@@ -110,7 +110,7 @@ fn surfaces<'a>(field: &'a Field<'a>, values: &[f64], chosen: usize) -> Result<V
     };
     values.sort_by(f64::total_cmp);
     values.dedup();
-    if field.rises() {
+    if field.rises {
         values.reverse();
     }
     if values.is_empty() {

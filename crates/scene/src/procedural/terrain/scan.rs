@@ -190,7 +190,7 @@ impl Scan<'_> {
             h if h < 2.5 => 4,
             _ => 5,
         };
-        let tone = tree.tone() * light * self.random.range(0.86, 1.14);
+        let tone = tree.tone * light * self.random.range(0.86, 1.14);
         let radius = 0.52 * self.spacing.min(1.2);
         self.push(Point { at: p.extend(z), normal: leaf.normal, tone, radius, class });
     }

@@ -37,7 +37,8 @@ pub(super) struct Tree {
     /// Radius of the crown, around the trunk.
     pub(super) radius: f64,
     kind: TreeKind,
-    tone: Tone,
+    /// Color of its leaves before light.
+    pub(super) tone: Tone,
     /// Balls that leaves are in: middle and radius.
     lobes: [(DVec3, f64); 7],
 }
@@ -118,11 +119,6 @@ impl Tree {
 
     fn cone_radius(&self, z: f64) -> f64 {
         if z < self.low() { 0.0 } else { self.radius * (self.top() - z) / (self.top() - self.low()) }
-    }
-
-    /// Returns the color of its leaves before light.
-    pub(super) fn tone(&self) -> Tone {
-        self.tone
     }
 
     /// Returns a leaf over a position that the crown covers.

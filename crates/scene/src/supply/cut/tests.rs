@@ -1,5 +1,3 @@
-use glam::Vec3;
-
 use super::*;
 use crate::supply::{Branch, HeldPoints};
 use pellucid_core::camera::{Camera, Projection};
@@ -12,14 +10,8 @@ fn camera() -> Camera {
 }
 
 fn points(positions: Vec<DVec3>) -> Points {
-    let count = positions.len();
-    Points {
-        positions,
-        radii: vec![0.5; count],
-        colors: vec![Vec3::ONE; count],
-        opacities: vec![1.0; count],
-        ..Points::default()
-    }
+    let radii = vec![0.5; positions.len()];
+    Points { radii, ..pellucid_testing_host::white(positions, 1.0) }
 }
 
 fn picture<'a>(blocks: &'a [u32], shows: &'a (dyn Fn(DVec3) -> bool + Sync), seed: u64) -> CutPicture<'a> {
@@ -98,7 +90,7 @@ fn nodes_are_left_out_where_those_above_are_fine_enough() {
     assert_eq!(radii(&near), [10.0, 30.0, 50.0, 90.0].map(|x| (x, 0.5)));
     // Where it is taken from: at 86, within 4 of the box, and inside of it.
     assert_eq!([84.0, 86.0, 90.0].map(|x| near.growth(DVec3::new(x, 0.0, 0.0), 0)), [2.0, 2.0, 1.0]);
-    assert_eq!((near.points(), near.most_growth(), near.blocks()[0].radius), (4, 2.0, 1.0));
+    assert_eq!((near.points(), near.most_growth, near.blocks()[0].radius), (4, 2.0, 1.0));
     assert_eq!(near.blocks()[1].radius, 0.5, "nothing is left out there");
     let coarsest = cut(10.1, None).unwrap();
     assert_eq!(coarsest.points(), 3);

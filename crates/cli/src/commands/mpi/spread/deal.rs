@@ -72,7 +72,7 @@ impl<'a> Dealer<'a> {
     /// # Errors
     /// Returns an error if the clouds can't be read or the work was canceled.
     pub fn deal(&mut self, assembled: &Assembled, progress: &Bar) -> Result<String> {
-        progress.counted("dealing points", self.known.count());
+        progress.counted("dealing points", self.known.count);
         let identity = match (assembled.stored(), assembled.arranged()) {
             (Some(stored), _) => {
                 self.deal_stored(stored, progress)?;
@@ -105,7 +105,7 @@ impl<'a> Dealer<'a> {
         for some in numbers.chunks(at_once) {
             let read = some.par_iter().map(|block| stored.block(*block)).collect::<Result<Vec<_>, Failure>>();
             for (points, block) in read.map_err(failed)?.into_iter().zip(some) {
-                let points = joined(vec![points], &self.known.bounds());
+                let points = joined(vec![points], &self.known.bounds);
                 self.put_all((&points, Some(stored.blocks()[*block].radius)), progress, |_| {});
             }
         }
@@ -134,7 +134,7 @@ impl<'a> Dealer<'a> {
     /// Returns the rank that owns the point with so many points before it that were not sent yet.
     fn owner_of(&self, before: usize) -> usize {
         let (before, ranks) = (self.dealt.iter().sum::<u64>() + before as u64, self.ranks.count());
-        let owner = u128::from(before) * ranks as u128 / u128::from(self.known.count().max(1));
+        let owner = u128::from(before) * ranks as u128 / u128::from(self.known.count.max(1));
         (owner as usize).min(ranks - 1)
     }
 

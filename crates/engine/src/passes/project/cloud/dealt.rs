@@ -44,7 +44,7 @@ impl DeviceCloud {
     /// No memory for small buffers.
     pub fn of_dealt_file(device: &Device, sample: &Points, file: &Arc<DealtFile>) -> Result<Self, crate::gpu::Error> {
         let mut cloud = Self::without_columns(device, sample)?;
-        let clouds = file.clouds();
+        let clouds = &file.clouds;
         (cloud.len, cloud.total) = (file.len(), file.len());
         cloud.has_normals = file.has_normals();
         cloud.max_opacity = clouds.iter().map(|cloud| cloud.surface.opacity).fold(0.0, f32::max);

@@ -120,7 +120,7 @@ impl DeviceCloud {
             seed,
         };
         let cut = Cut::new(Arc::clone(&supplied.whole), supplied.spacing, &limits, &picture, progress)?;
-        self.max_radius = supply::grown(self.max_radius, cut.most_growth());
+        self.max_radius = supply::grown(self.max_radius, cut.most_growth);
         supplied.cut = Some((*wanted, Arc::new(cut)));
         Ok(())
     }
@@ -167,7 +167,7 @@ impl DeviceCloud {
             // Passes want one. It shows nowhere.
             points = supplied.whole.take(&[0], Keep::ALL, progress)?.subset(&[0], 1.0);
             if let Some((_, cut)) = &supplied.cut {
-                points.positions.fill(cut.nowhere());
+                points.positions.fill(cut.nowhere);
             }
         }
         self.put(device, &points)?;
