@@ -11,14 +11,12 @@
 //! in the paper.
 
 use rayon::prelude::*;
-
 use serde_json::{Value, json};
 
-use super::{Error, Frame, Renderer};
+use super::Renderer;
 use crate::color::encode_srgb;
-use crate::image::Image;
-use crate::passes::project::DeviceCloud;
-use crate::scene::{Brightness, ColorSpace, Method, SpbrSimplified};
+use crate::methods::prelude::*;
+use crate::scene::{Brightness, ColorSpace, SpbrSimplified};
 
 /// Steps of p are 1/100.
 const STEPS_PER_UNIT: u32 = 100;

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Renderer;
 use super::lists::ORDERED_AREA;
-use crate::camera::{Camera, Projection};
 use crate::methods::prelude::*;
 use crate::points::Points;
 use crate::prepare::order;

@@ -17,8 +17,6 @@ use super::abuffer::{
 use super::soft::record_carry;
 use crate::methods::linked_list::{self, LinkingGroup};
 use crate::methods::prelude::*;
-use crate::passes::raster::{self, Chunk, ChunkGroup, RasterPush};
-use crate::passes::tiles::SEGMENT;
 
 /// Events of ellipsoids and surfaces.
 #[derive(Debug, Clone, Copy)]

@@ -13,7 +13,6 @@
 use super::abuffer::{Needs, StoreFragments, Storing};
 use crate::gpu;
 use crate::methods::prelude::*;
-use crate::passes::raster::{self, Chunk, ChunkGroup, RasterPush};
 
 /// Links that one invocation of `linked-list/gather` follows; longer lists are gathered by several runs.
 const GATHER_STEP: u32 = 32_768;

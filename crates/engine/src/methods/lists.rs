@@ -10,10 +10,8 @@ use super::linked_list::LinkedLists;
 use super::projecting::discs as projecting;
 use crate::methods::engine::project;
 use crate::methods::prelude::*;
-use crate::methods::walker::walker;
 use crate::methods::{Stop, tiled};
-use crate::passes::bin::{self, Bin, Order};
-use crate::scene::{Kernel, LongLists, Peel, Raster as Way};
+use crate::scene::{Peel, Raster as Way};
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;

@@ -4,12 +4,11 @@
 //!
 //! Reference: `pellucid_reference::one_layer`.
 
-use super::{Pixels, tiled};
-use crate::gpu::DeviceInfo;
+use super::tiled;
 use crate::methods::abuffer::{self, list_bytes};
 use crate::methods::prelude::*;
 use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
-use crate::scene::{BlendedSplats, OneLayer};
+use crate::scene::OneLayer;
 
 gpu_struct! {
     /// Push constants of `one-layer/compose`: pixels of the window, and the layer's opacity.

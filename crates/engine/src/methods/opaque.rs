@@ -2,14 +2,9 @@
 //!
 //! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
 
-use crate::choices;
-use crate::methods::explain::{COUNTERS, NOTHING, TILES};
+use crate::methods::explain::{COUNTERS, TILES};
 use crate::methods::prelude::*;
-use crate::methods::walker::walker;
-use crate::passes::compose::{Composing, ComposingGroup};
-use crate::passes::raster::{self, ChunkGroup, CountPush, RasterPush};
-use crate::passes::tiles::SEGMENT;
-use crate::scene::{Relief, ScreenSplats};
+use crate::scene::Relief;
 
 gpu_struct! {
     /// A pixel's nearest splat.

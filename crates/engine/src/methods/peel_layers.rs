@@ -8,9 +8,7 @@
 use super::image_space::{self, DeliverPush, Emptied, FilterJob, Filterer, Filtering};
 use super::own::FamilyBuffers;
 use super::peel::{Next, PeelWork};
-use super::told::Told;
 use crate::methods::prelude::*;
-use crate::passes::foresight::Knowledge;
 use crate::passes::project::points_dispatch;
 use crate::scene::PeelLayers;
 

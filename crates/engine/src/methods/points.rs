@@ -6,7 +6,6 @@
 use super::opaque::{self, NearestSplat, Opaque};
 use crate::methods::prelude::*;
 use crate::passes::project::{POINTS_RUN, Places, PlacesGroup, PointsPush, Shaded, View, points_dispatch};
-use crate::passes::raster::CountPush;
 
 pass! {
     /// Finds the pixel and depth of each point, and takes the 64-bit atomic minimum of depth key and point index there.

@@ -5,8 +5,6 @@
 
 use crate::methods::prelude::*;
 use crate::methods::tiled::{self, Stage, TiledEngine};
-use crate::passes::bin::{self, OneRun, Order, TileWalk, TiledGroup};
-use crate::passes::compose::STOPS;
 
 gpu_struct! {
     /// Push constants of `sorted/blend`.

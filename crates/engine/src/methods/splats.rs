@@ -7,14 +7,9 @@
 //!
 //! Reference: `pellucid_reference::splats`.
 
-use super::{Facts, Layer, Pixels, tiled};
-use crate::gpu::DeviceInfo;
-use crate::methods::explain::{EACH_PIXEL, NOTHING};
+use super::tiled;
 use crate::methods::prelude::*;
-use crate::passes::bin::{self, Bin, OneRun, Order, TileWalk, TiledGroup};
 use crate::passes::project::TILED;
-use crate::passes::raster::CountPush;
-use crate::scene::{BlendedSplats, ScreenSplats};
 
 gpu_struct! {
     /// Push constants of the first two passes.

@@ -2,11 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Error;
-use crate::gpu::{Device, Memory, Recorder, Scratch, Slice};
-use crate::image::Image;
-use crate::passes::bands::{self, Window};
-use crate::{fields, group};
+use crate::methods::prelude::*;
 
 /// The destination of a window's pixels.
 pub struct Target {

@@ -1,12 +1,9 @@
 //! Common parts of the methods over tiles of ordered splats: `sorted`, `stochastic` and the approximations.
 
-use super::Facts;
 use super::abuffer;
-use super::explain::{NOTHING, ORDER, PRESORTED};
-use super::walker::walker;
-use crate::gpu::DeviceInfo;
+use super::explain::PRESORTED;
 use crate::methods::prelude::*;
-use crate::passes::bin::{self, Bin, Order, RECORD_BYTES, TileWalk};
+use crate::passes::bin::RECORD_BYTES;
 use crate::scene;
 
 gpu_struct! {

@@ -6,7 +6,6 @@ use super::{
 };
 use crate::gpu;
 use crate::methods::prelude::*;
-use crate::scene::LongLists;
 
 impl ABuffer {
     /// Fragments that fit at a time: within the budget, and within a binding.

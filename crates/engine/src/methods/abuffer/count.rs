@@ -3,11 +3,8 @@
 use super::capacity::Need;
 use super::passes::{Lengths, Measure};
 use super::{ABuffer, Bodies, Counting, LOCAL_LENGTH, ListsJob};
-use crate::gpu::{Device, Dispatch, Run, Variant};
-use crate::methods::{Error, Facts, Timeline};
-use crate::passes::bands::{self, Band};
+use crate::methods::prelude::*;
 use crate::passes::foresight::AnswerPlace;
-use crate::passes::raster::CountPush;
 use crate::passes::scan::Scan;
 
 /// Pixels of one invocation of `abuffer/measure`.

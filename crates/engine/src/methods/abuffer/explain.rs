@@ -1,10 +1,7 @@
 //! Plans of methods with lists of fragments.
 
 use super::{CLASSES, FRAGMENT_BYTES, LINK_BYTES, LOCAL_LENGTH, lower_bound};
-use crate::methods::bytes::PassRuns;
-use crate::methods::explain::{Absent, FramePlan, NOTHING, PassGroup};
-use crate::passes::bin::Order;
-use crate::scene::{Discs, Kernel, LongLists};
+use crate::methods::prelude::*;
 
 /// The passes that find the lengths of lists.
 pub(crate) const COUNT: [&str; 5] =

@@ -34,11 +34,8 @@ pub use storing::{
 use self::blend::Stored;
 use self::capacity::Need;
 use self::count::{Counted, measure_variant};
-use super::told::Told;
 use crate::methods::prelude::*;
-use crate::passes::bin::{self, Lanes};
-use crate::passes::foresight::Knowledge;
-use crate::passes::raster;
+use crate::passes::bin::Lanes;
 use crate::passes::scan::Scan;
 
 /// The longest list that one invocation sorts in a local array; also the length of a run of a longer one.

@@ -1,10 +1,7 @@
 //! The passes of the A-buffer, and the structs that they share with their shaders.
 
-use crate::methods::PixelsGroup;
-use crate::passes::bin::{TiledGroup, TilesPush};
-use crate::passes::compose::ComposingGroup;
-use crate::passes::raster::{ChunkGroup, CountPush, RasterPush};
-use crate::{gpu_struct, group, pass};
+use crate::methods::prelude::*;
+use crate::passes::bin::TilesPush;
 
 gpu_struct! {
     /// Push constants: a band of pixels.
@@ -157,7 +154,7 @@ pass! {
     }
 
     /// Puts the pixels of each class into the work list.
-    pub Order(BandPush) = "abuffer/order" {
+    pub OrderPixels(BandPush) = "abuffer/order" {
         offsets: Read<u32>,
         classes: ReadWrite<u32>,
         pixels: ReadWrite<u32>,

@@ -4,7 +4,6 @@ use super::blend::{Blender, Blending};
 use super::passes::{Count, CountTiles, RunSums, Sampled, Store, StoreTiles};
 use super::{FRAGMENT_BYTES, INDEX_BYTES};
 use crate::methods::prelude::*;
-use crate::passes::raster::Chunk;
 
 /// Bytes of a node's link to the next.
 pub const LINK_BYTES: u64 = 4;

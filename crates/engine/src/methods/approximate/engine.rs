@@ -3,7 +3,6 @@
 use super::{ApproximateKind, Approximations, least_bytes, pixel_bytes};
 use crate::methods::prelude::*;
 use crate::methods::tiled::{self, Stage, TiledEngine};
-use crate::passes::bin::{self, Order};
 
 /// Sums over the fragments of each pixel.
 pub(crate) struct ApproximateEngine {

@@ -9,11 +9,9 @@ pub(crate) use engine::ApproximateEngine;
 pub use tail::{GatherTail, TailPush, WeighTail};
 
 use self::tail::Tail;
+use super::fading;
 use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, SumPush, Sums, SumsGroup};
-use super::{Facts, fading};
 use crate::methods::prelude::*;
-use crate::passes::bin::{self, OneRun, TileWalk, TiledGroup};
-use crate::passes::project::DISCS;
 use crate::scene::{MAX_NODES, MomentCount};
 
 gpu_struct! {

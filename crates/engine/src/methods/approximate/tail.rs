@@ -5,7 +5,7 @@
 use crate::methods::fading::{self, Estimate, leaving, with_moments};
 use crate::methods::prelude::*;
 use crate::methods::tiled::{Sums, SumsGroup};
-use crate::passes::bin::{self, TileWalk, Tiled, TiledGroup};
+use crate::passes::bin::Tiled;
 use crate::scene::{MomentCount, Moments};
 
 gpu_struct! {

@@ -11,7 +11,6 @@ use crate::methods::prelude::*;
 use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
 use crate::output::deep::State;
-use crate::scene::Kernel;
 
 /// Hands on the samples of each window.
 pub(crate) struct DeepEngine<'a> {

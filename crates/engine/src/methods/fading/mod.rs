@@ -8,10 +8,8 @@ pub use passes::*;
 
 use self::passes::with_cells;
 pub(super) use self::passes::{by_moments, leaving, with_moments};
-use super::Facts;
 use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Stage, SumPush, Sums, TiledEngine};
 use crate::methods::prelude::*;
-use crate::passes::bin::{self, Order};
 use crate::scene::{MomentCount, Moments};
 
 /// The numbers that tell how the light of a pixel fades.

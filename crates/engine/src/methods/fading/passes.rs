@@ -2,7 +2,6 @@
 
 use crate::methods::prelude::*;
 use crate::methods::tiled::{SumPush, SumsGroup};
-use crate::passes::bin::{self, OneRun, TileWalk, TiledGroup};
 use crate::scene::{MAX_RANK, MomentCount, Moments};
 
 gpu_struct! {

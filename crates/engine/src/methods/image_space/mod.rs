@@ -19,7 +19,6 @@ pub use passes::{
     ResolvePush, Smooth, Tiled, TiledGroup, shaders,
 };
 
-use super::Facts;
 use super::opaque::NearestSplat;
 use super::own::FamilyBuffers;
 use super::peel::PeelWork;

@@ -2,10 +2,8 @@
 
 use super::{PeelJob, Peeler, pixel_bytes};
 use crate::methods::engine::Fragments;
-use crate::methods::explain::NOTHING;
 use crate::methods::prelude::*;
 use crate::methods::projecting;
-use crate::methods::walker::walker;
 use crate::scene::Peel;
 
 /// Layer after layer of discs.

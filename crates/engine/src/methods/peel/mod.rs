@@ -10,16 +10,9 @@ mod engine;
 
 pub(crate) use engine::{PeelEngine, pass_group};
 
-use super::Facts;
 use super::opaque::NearestSplat;
 use super::own::FamilyBuffers;
-use super::told::Told;
 use crate::methods::prelude::*;
-use crate::passes::compose::{Composing, ComposingGroup};
-use crate::passes::foresight::Knowledge;
-use crate::passes::project::DISCS;
-use crate::passes::raster::{self, Chunk, ChunkGroup, CountPush, RasterPush};
-use crate::passes::tiles::SEGMENT;
 use crate::scene::Peel;
 
 /// Layers of a submission. Longer ones save nothing (400 layers of 256 pixels took 0.55 s with 4 as with 128), but all

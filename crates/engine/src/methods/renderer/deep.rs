@@ -5,10 +5,8 @@ use std::cell::{Cell, RefCell};
 use super::Renderer;
 use super::walk::Job;
 use crate::methods::deep::{DeepEngine, DeepSource, Sink};
-use crate::methods::engine::Engine;
-use crate::methods::{Error, Facts, Frame, Timeline};
+use crate::methods::prelude::*;
 use crate::output::deep::State;
-use crate::passes::project::DeviceCloud;
 
 impl Renderer {
     /// Returns the largest number of samples that the deep image of a frame has, from projecting and counting alone.

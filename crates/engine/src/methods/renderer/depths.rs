@@ -2,10 +2,8 @@
 
 use super::walk::{Job, largest};
 use super::{Renderer, blank};
-use crate::image::Image;
 use crate::methods::abuffer::Shown;
 use crate::methods::edl::{self, ShadedDepths};
-use crate::methods::engine_of;
 use crate::methods::lists::ListEngine;
 use crate::methods::prelude::*;
 

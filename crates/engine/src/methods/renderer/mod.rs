@@ -12,16 +12,13 @@ pub use self::upload::{PointSource, Upload};
 
 use std::time::{Duration, Instant};
 
-use crate::progress::Progress;
-
 use self::walk::{Job, largest};
 use super::brightness;
 use super::bytes::aggregate;
 use super::edl::{self, EyeDomeLighting};
 use super::engine::{Fragments, Switches};
-use super::{Facts, FrameProfile, engine_of, shadows, spbr, stochastic};
+use super::{FrameProfile, shadows, spbr, stochastic};
 use crate::cloud::shadow_texture::Casting;
-use crate::image::Image;
 use crate::methods::prelude::*;
 use crate::passes::foresight::Foresight;
 

@@ -1,14 +1,12 @@
 //! Frames whose random samples are drawn in parts.
 
 use std::cell::RefCell;
-use std::ops::Range;
 
 use super::walk::{Job, is_whole, largest};
 use super::{Begun, Rendered, Renderer, edl};
-use crate::image::Image;
+use crate::methods::DrawnPart;
 use crate::methods::parts::{PartLayout, Plane};
-use crate::methods::{DrawnPart, Error, Frame, SamplePart, Timeline, engine_of};
-use crate::passes::project::DeviceCloud;
+use crate::methods::prelude::*;
 
 impl Renderer {
     /// Draws some random samples of each pixel of a frame, or ensembles, and hands their sums to the host: all parts of

@@ -4,7 +4,7 @@ use super::walk::Job;
 use super::{Error, Renderer};
 use crate::cloud::shadow_texture::Casting;
 use crate::methods::prelude::*;
-use crate::methods::{engine_of, shadows};
+use crate::methods::shadows;
 use crate::passes::project::{Beam, CutFor, Present};
 use crate::passes::tiles::TILE;
 use crate::supply::Limits;

@@ -3,10 +3,7 @@
 use std::cell::RefCell;
 
 use super::{LONGEST, Renderer};
-use crate::image::Image;
 use crate::methods::prelude::*;
-use crate::methods::{Facts, SamplePart};
-use crate::passes::foresight::Knowledge;
 
 /// The work on each window of a frame.
 #[derive(Clone)]

@@ -4,11 +4,8 @@
 //! otherwise.
 
 use super::{SoftModel, record_compose};
-use crate::methods::Layer;
 use crate::methods::prelude::*;
-use crate::methods::told::Told;
-use crate::passes::bin::{self, Bin, OneRun, TileWalk, TiledGroup};
-use crate::passes::compose::{STOP_NEVER, STOPS};
+use crate::passes::compose::STOP_NEVER;
 
 gpu_struct! {
     /// Push constants of `soft/express`.

@@ -2,8 +2,6 @@
 
 use super::share::Share;
 use super::{Ensembles, Form, Scale, SpbrJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
-use crate::camera::Projection;
-use crate::methods::SamplePart;
 use crate::methods::parts::Sums;
 use crate::methods::prelude::*;
 

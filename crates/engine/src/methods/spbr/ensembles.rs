@@ -10,11 +10,9 @@ use super::rounds::Piece;
 use super::stream::Stream;
 use super::tasks::{Task, Tasks};
 use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
-use crate::methods::SamplePart;
 use crate::methods::parts::Plane;
 use crate::methods::prelude::*;
 use crate::passes::project::Column;
-use crate::passes::raster::CountPush;
 
 /// Most slots after which is submitted, so that no submission takes seconds.
 const SUBMITTED_SLOTS: u64 = 1 << 23;

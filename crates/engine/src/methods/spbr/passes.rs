@@ -1,10 +1,8 @@
 //! The passes.
 
-use crate::methods::PixelsGroup;
 use crate::methods::opaque::NearestSplat;
+use crate::methods::prelude::*;
 use crate::passes::project::View;
-use crate::passes::raster::CountPush;
-use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
     /// Push constants of the passes that go through slots.

@@ -3,12 +3,9 @@
 //! Tanaka et al. 2016, Eq. 1, without its bias where a cross-section has few pixels: an ensemble needs −ln(1 − α)
 //! points on the area of a pixel for opacity α, if they lie at random.
 
-use std::ops::Range;
-
-use crate::camera::{Camera, Projection};
+use crate::methods::prelude::*;
 use crate::passes::project::Placed;
 use crate::prepare::ensembles::Deal;
-use crate::scene::Method;
 
 impl Placed {
     /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the

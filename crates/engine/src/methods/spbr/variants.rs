@@ -2,7 +2,6 @@
 
 use super::RUN;
 use super::passes::{Draw, Large, Nearest, NearestDepth, NearestId, Renew, Resolve, Sum};
-use crate::choices;
 use crate::methods::prelude::*;
 use crate::passes::project::Shaded;
 use crate::scene::{ColorSpace, ShadingModel};

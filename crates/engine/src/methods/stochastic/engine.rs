@@ -2,15 +2,11 @@
 
 use super::hardware::{self, HeldDepths};
 use super::{Batch, STRATA, SampleJob, SampleKind, Sampler, batches, least_bytes, pixel_bytes, window_pixels};
-use crate::gpu::DeviceInfo;
-use crate::methods::SamplePart;
 use crate::methods::abuffer::{self, counted_beside};
-use crate::methods::explain::{EACH_PIXEL, NOTHING, ORDER};
 use crate::methods::parts::{Plane, Sums};
 use crate::methods::prelude::*;
 use crate::methods::tiled::{self, Stage};
 use crate::methods::walker::sampling_walker;
-use crate::passes::bin::{self, OneRun, Order, OrderedTiles, TileWalk, TiledGroup};
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
 

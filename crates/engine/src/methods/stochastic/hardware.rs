@@ -6,7 +6,6 @@
 //! sums come in the same order every time.
 
 use super::{Batch, SampleJob, SampleKind, Sampler, most_strata};
-use crate::camera::{Camera, Projection};
 use crate::gpu::{Blend, DepthSamples, Format, NumberSamples, Pixels, SAMPLES, ScratchAttachment, Targets};
 use crate::methods::prelude::*;
 use crate::passes::raster::QuadsGroup;

@@ -15,12 +15,8 @@ pub use engine::{Accumulate, StochasticPush, Visibility};
 pub(crate) use engine::{StochasticEngine, pass_group};
 
 use super::parts::{MOST_STRATA, Plane};
-use super::told::Told;
-use super::{Facts, SamplePart};
-use crate::choices;
 use crate::image;
 use crate::methods::prelude::*;
-use crate::passes::bin::{self, Bin};
 use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
 

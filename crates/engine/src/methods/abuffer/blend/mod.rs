@@ -16,9 +16,7 @@ use super::passes::*;
 use super::{LOCAL_LENGTH, ListsJob, Room, RunBuffers, Shown};
 use crate::gpu::Error;
 use crate::methods::prelude::*;
-use crate::passes::bin::OrderedTiles;
-use crate::passes::compose::{Composing, STOP_EXACT, STOP_NEVER, STOPS};
-use crate::scene::LongLists;
+use crate::passes::compose::{STOP_EXACT, STOP_NEVER};
 
 /// Splats that one run of `abuffer/resolve-ordered` takes of a list: one iteration each.
 const ORDERED_TAKEN: u32 = 32_768;
@@ -336,7 +334,7 @@ impl Blender {
         recorder.fill("abuffer/clear", classes, 0)?;
         recorder.run(&Classify { offsets, classes }, push, &run)?;
         recorder.run(&Groups { classes }, (), &Run::new(Dispatch::Groups(1)).variant(class_variant()))?;
-        recorder.run(&Order { offsets, classes, pixels }, push, &run)?;
+        recorder.run(&OrderPixels { offsets, classes, pixels }, push, &run)?;
         let words = |place: u64| classes.skip(place).first(CLASS_WORDS * CLASSES.len() as u64 + 1);
         let (placed, counted) = (words(CLASS_PLACED), words(CLASS_TOTAL));
         recorder.agree_every(CLASS_WORDS as u32, "abuffer/order", "class", placed, Expected::Words(counted))
@@ -507,7 +505,7 @@ pub(super) fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<Classify>([class_variant()]),
         Shader::new::<Groups>([class_variant()]),
-        Shader::new::<Order>([class_variant()]),
+        Shader::new::<OrderPixels>([class_variant()]),
         Shader::new::<ResolveNetwork>(Sorting::Network.kernels(resolving)),
         Shader::new::<ResolveMerge>(Sorting::Merge.kernels(resolving)),
         Shader::new::<SortLists>([class_variant()]),

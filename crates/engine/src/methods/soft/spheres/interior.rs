@@ -1,8 +1,6 @@
 //! The inside of a sphere: density that falls off, or shells of constant density.
 
-use crate::choices;
 use crate::methods::prelude::*;
-use crate::passes::tiles::SEGMENT;
 use crate::scene::{MAX_SHELLS, Shells, SoftLayout};
 
 /// Large splats that a workgroup stores where they have shells.

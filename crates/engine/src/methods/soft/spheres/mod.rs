@@ -26,10 +26,7 @@ use crate::methods::abuffer::{
     self, Blending, Bodies, Counting, LOCAL_LENGTH, Needs, Sampled, Sorting, StoreFragments, Storing, occurring,
 };
 use crate::methods::prelude::*;
-use crate::methods::{Layer, splats};
-use crate::passes::compose::STOPS;
-use crate::passes::raster::{self, Chunk};
-use crate::passes::tiles::SEGMENT;
+use crate::methods::splats;
 use crate::scene::MAX_SHELLS;
 
 /// Names of the kernels by the classes of [`abuffer::CLASSES`]; there is no list of a single event.

@@ -1,9 +1,7 @@
 //! The passes.
 
-use crate::methods::PixelsGroup;
 use crate::methods::abuffer::{LongList, LongWork, Partial, ResolvingGroup, RunSums, SampledGroup, SortedGroup};
-use crate::passes::raster::{ChunkGroup, RasterPush};
-use crate::{gpu_struct, pass};
+use crate::methods::prelude::*;
 
 gpu_struct! {
     /// Push constants of the kernels that blend.
