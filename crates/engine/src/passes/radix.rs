@@ -6,7 +6,7 @@
 
 use super::scan::Scan;
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
+use crate::gpu::{Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
 use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
@@ -93,8 +93,7 @@ fields! {
     pub struct Radix by device {
         counts: Scratch<u32> = Scratch::new("digit counts", Memory::Device),
         cursors: Scratch<u32> = Scratch::new("digit cursors", Memory::Device),
-        scan: Option<Scan> = None,
-        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+        scan: Scan = Scan::new(device, 0)?,
     }
 }
 
@@ -107,8 +106,7 @@ impl Radix {
 
     /// Returns the number of device bytes of the buffers that are kept.
     pub fn kept_bytes(&self) -> u64 {
-        let scan = self.scan.as_ref().map_or(0, |s| Scan::bytes(s.capacity()));
-        self.counts.bytes() + self.cursors.bytes() + scan
+        self.counts.bytes() + self.cursors.bytes() + self.scan.kept_bytes()
     }
 
     /// Makes room for a sort of so many records.
@@ -116,12 +114,7 @@ impl Radix {
         let counters = counters(device, records);
         self.counts.reserve(device, counters)?;
         self.cursors.reserve(device, counters)?;
-        // A smaller one is freed before a larger one is made.
-        self.scan = self.scan.take().filter(|s| s.capacity() >= counters);
-        if self.scan.is_none() {
-            self.scan = Some(Scan::new(device, counters)?);
-        }
-        Ok(())
+        self.scan.reserve(device, counters)
     }
 
     /// Records a sort by the lowest `bits` of the keys, of all records of the first buffer; both are overwritten.
@@ -135,7 +128,6 @@ impl Radix {
         subgroup: u32,
     ) -> Result<usize, Error> {
         let [mut records, mut moved] = buffers;
-        let Some(scan) = &self.scan else { return Ok(0) };
         let Runs { runs, length } = runs(device, records.len());
         let Digits { digits, bits: digit_bits, counters } = Digits::new(device, records.len(), bits);
         for digit in 0..digits {
@@ -150,7 +142,7 @@ impl Radix {
             } else {
                 recorder.run(&Count { records, counts }, push, &over)?;
             }
-            scan.record(recorder, counts, cursors, self.overflow.all())?;
+            self.scan.record(recorder, counts, cursors)?;
             let run = Run::new(Dispatch::Groups(u64::from(runs))).variant(scatter_variant(subgroup));
             recorder.run(&Scatter { records, cursors, moved }, push, &run)?;
             agree(recorder, counts, cursors, push.count)?;

@@ -54,29 +54,37 @@ pub struct Scan {
     capacity: u64,
     /// `true` if workgroups share runs.
     shared: bool,
-}
-
-/// Level that a dispatch of either half goes through.
-#[derive(Clone, Copy)]
-struct Level<'a> {
-    values: Slice<'a, u32>,
-    overflow: Slice<'a, u32>,
+    /// A flag that a sum over 32 bits sets; who reads it must make it zero before.
+    pub overflow: Buffer<u32>,
 }
 
 impl Scan {
     /// Room for scans of up to `capacity` elements.
     pub fn new(device: &Device, capacity: u64) -> Result<Self, Error> {
-        let shared = device.info().prefers.shared_work;
+        let overflow = device.buffer("scan overflow", 1, Memory::Device)?;
+        let mut scan = Self { levels: Vec::new(), capacity: 0, shared: device.info().prefers.shared_work, overflow };
+        scan.reserve(device, capacity)?;
+        Ok(scan)
+    }
+
+    /// Makes room for scans of up to `capacity` elements.
+    pub fn reserve(&mut self, device: &Device, capacity: u64) -> Result<(), Error> {
+        if self.capacity >= capacity {
+            return Ok(());
+        }
+        // Smaller buffers are freed before larger ones are made.
+        (self.levels, self.capacity) = (Vec::new(), 0);
         let mut levels = Vec::new();
         let mut len = capacity;
-        while len > run(shared) {
-            len = len.div_ceil(run(shared));
+        while len > run(self.shared) {
+            len = len.div_ceil(run(self.shared));
             levels.push([
                 device.buffer("scan sums", len, Memory::Device)?,
                 device.buffer("scan offsets", len, Memory::Device)?,
             ]);
         }
-        Ok(Self { levels, capacity, shared })
+        (self.levels, self.capacity) = (levels, capacity);
+        Ok(())
     }
 
     /// Returns the number of device bytes that a scan of `capacity` elements needs at most.
@@ -84,19 +92,17 @@ impl Scan {
         capacity.div_ceil(SCAN_RUN) * 8 * 2
     }
 
-    /// Returns the number of elements that fit.
-    pub fn capacity(&self) -> u64 {
-        self.capacity
+    /// Returns the number of device bytes of the buffers that are kept.
+    pub fn kept_bytes(&self) -> u64 {
+        Self::bytes(self.capacity)
     }
 
-    /// Records `offsets[i] = values[0] + … + values[i − 1]`. A sum over 32 bits sets `overflow[0]`, which must be zero
-    /// before.
+    /// Records `offsets[i] = values[0] + … + values[i − 1]`. A sum over 32 bits sets `overflow[0]`.
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
         values: Slice<'a, u32>,
         offsets: Slice<'a, u32>,
-        overflow: Slice<'a, u32>,
     ) -> Result<(), Error> {
         assert!(values.len() <= self.capacity, "scan of {} elements, room for {}", values.len(), self.capacity);
         let run = run(self.shared);
@@ -108,7 +114,7 @@ impl Scan {
                 break;
             }
             let sums = sums.slice(0, current.len().div_ceil(run));
-            self.reduce(recorder, Level { values: current, overflow }, sums)?;
+            self.reduce(recorder, current, sums)?;
             lens.push(sums.len());
             current = sums;
         }
@@ -121,18 +127,18 @@ impl Scan {
                 Some(i) => (self.levels[i][0].slice(0, len), self.levels[i][1].slice(0, len)),
             };
             let starts = (level < depth).then(|| self.levels[level][1].slice(0, lens[level + 1]));
-            self.spread(recorder, Level { values, overflow }, starts, out)?;
+            self.spread(recorder, values, starts, out)?;
         }
         Ok(())
     }
 
     fn reduce<'a>(
-        &self,
+        &'a self,
         recorder: &mut Recorder<'a>,
-        Level { values, overflow }: Level<'a>,
+        values: Slice<'a, u32>,
         sums: Slice<'a, u32>,
     ) -> Result<(), Error> {
-        let push = ScanPush { count: values.len() as u32 };
+        let (push, overflow) = (ScanPush { count: values.len() as u32 }, self.overflow.all());
         if self.shared {
             let over = Run::new(Dispatch::Groups(sums.len()));
             return recorder.run(&ReduceGroup { values, sums, overflow }, push, &over);
@@ -142,13 +148,13 @@ impl Scan {
 
     /// The top has one run, which starts at zero: it has no `starts`.
     fn spread<'a>(
-        &self,
+        &'a self,
         recorder: &mut Recorder<'a>,
-        Level { values, overflow }: Level<'a>,
+        values: Slice<'a, u32>,
         starts: Option<Slice<'a, u32>>,
         offsets: Slice<'a, u32>,
     ) -> Result<(), Error> {
-        let push = ScanPush { count: values.len() as u32 };
+        let (push, overflow) = (ScanPush { count: values.len() as u32 }, self.overflow.all());
         let runs = values.len().div_ceil(run(self.shared));
         let variant = spread_variant(starts.is_none());
         // The shader does not read the binding then.

@@ -6,7 +6,7 @@ use super::bands::Window;
 use super::project::{Bounds, DeviceCloud, Stats, View};
 use super::scan::Scan;
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice};
+use crate::gpu::{Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice};
 use crate::{fields, gpu_struct, pass};
 
 /// Large splats of a tile that one workgroup walks; `SEGMENT` in WGSL.
@@ -54,8 +54,7 @@ fields! {
         cursors: Scratch<u32> = Scratch::new("tile cursors", Memory::Device),
         starts: Scratch<u32> = Scratch::new("tile starts", Memory::Device),
         entries: Scratch<u32> = Scratch::new("tile entries", Memory::Device),
-        scan: Option<Scan> = None,
-        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+        scan: Scan = Scan::new(device, 0)?,
     }
 }
 
@@ -81,12 +80,7 @@ impl Tiles {
         self.starts.reserve(device, if any { stride * stats.len() as u64 } else { 1 })?;
         self.entries.reserve(device, stats.iter().map(|s| aligned(s.tiles())).sum::<u64>().max(1))?;
         let longest = if any { large.max(stride) } else { 0 };
-        // A smaller one is freed before a larger one is made.
-        self.scan = self.scan.take().filter(|s| s.capacity() >= longest);
-        if self.scan.is_none() {
-            self.scan = Some(Scan::new(device, longest)?);
-        }
-        Ok(())
+        self.scan.reserve(device, longest)
     }
 
     /// Records the lists of all tiles, if there are large splats at all.
@@ -97,10 +91,8 @@ impl Tiles {
         all: &[Stats],
         window: Window,
     ) -> Result<(), Error> {
-        let Some(scan) = &self.scan else { return Ok(()) };
         let [columns, rows] = grid(window);
         let len = u64::from(columns) * u64::from(rows) + 1;
-        let overflow = self.overflow.all();
         for (chunk, ((first, count), s)) in cloud.chunks().zip(all).enumerate() {
             if s.large == 0 {
                 continue;
@@ -112,10 +104,10 @@ impl Tiles {
             let starts = self.starts.get().slice(chunk as u64 * stride(window), len);
             let (stats, push) = (cloud.found(), TilePush { chunk: chunk as u32 });
             let run = Run::new(Dispatch::Invocations(s.tiles()));
-            scan.record(recorder, cloud.tile_counts.slice(first, u64::from(s.large)), pair_offsets, overflow)?;
+            self.scan.record(recorder, cloud.tile_counts.slice(first, u64::from(s.large)), pair_offsets)?;
             recorder.fill("project/clear", cursors, 0)?;
             recorder.run(&TileCount { view, bounds, large, pair_offsets, stats, counts: cursors }, push, &run)?;
-            scan.record(recorder, cursors, starts, overflow)?;
+            self.scan.record(recorder, cursors, starts)?;
             recorder.copy("tiles/cursors", starts, cursors)?;
             let entries = self.entries_of(all, chunk);
             recorder.run(&TileStore { view, bounds, large, pair_offsets, stats, cursors, entries }, push, &run)?;

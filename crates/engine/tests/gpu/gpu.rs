@@ -177,7 +177,6 @@ fn every_pass_of_a_long_recording_is_timed() {
         // One pair of query pools covers 128 passes, and so does one pool of descriptor sets.
         let values = device.upload("values", &[1u32; 300]).expect("fits");
         let offsets = device.buffer::<u32>("offsets", 300, Memory::Device).expect("fits");
-        let flag = device.upload("flag", &[0u32]).expect("fits");
         let scan = Scan::new(device, 300).expect("fits");
         for count in [1, 127, 128, 129, 300] {
             let mut recorder = device.recorder().expect("a recorder");
@@ -186,7 +185,7 @@ fn every_pass_of_a_long_recording_is_timed() {
                     recorder.fill("test/fill", values.all(), i).expect("recorded");
                 } else {
                     // 300 elements: one pass up, two down.
-                    scan.record(&mut recorder, values.all(), offsets.all(), flag.all()).expect("recorded");
+                    scan.record(&mut recorder, values.all(), offsets.all()).expect("recorded");
                 }
             }
             let submitted = recorder.submit("long").expect("submitted");
@@ -211,11 +210,10 @@ fn invocations_are_counted_where_the_device_can() {
         let n = 100_000u64;
         let values = device.upload("values", &vec![1u32; n as usize]).expect("fits");
         let offsets = device.buffer::<u32>("offsets", n, Memory::Device).expect("fits");
-        let flag = device.upload("flag", &[0u32]).expect("fits");
         let scan = Scan::new(device, n).expect("fits");
         let mut recorder = device.recorder().expect("a recorder");
         recorder.fill("test/fill", offsets.all(), 0).expect("recorded");
-        scan.record(&mut recorder, values.all(), offsets.all(), flag.all()).expect("recorded");
+        scan.record(&mut recorder, values.all(), offsets.all()).expect("recorded");
         let submitted = recorder.submit("scan").expect("submitted");
         // 64 elements for each invocation; the last workgroup is filled up.
         let wanted = n.div_ceil(64);

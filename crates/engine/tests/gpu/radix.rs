@@ -50,7 +50,6 @@ fn scattered(device: &Device, stored: u32) -> Result<(), String> {
     let moved = device.buffer("moved", u64::from(count), Memory::Device).expect("fits");
     let counts = device.upload("digit counts", &[0u32; 16]).expect("fits");
     let cursors = device.buffer("digit cursors", 16, Memory::Device).expect("fits");
-    let overflow = device.upload("flag", &[0u32]).expect("fits");
     let scan = Scan::new(device, 16).expect("fits");
     let push = |count| RadixPush { count, runs: 1, run_length, shift: 0, mask: 15 };
     let run = || Run::new(Dispatch::Groups(1));
@@ -58,7 +57,7 @@ fn scattered(device: &Device, stored: u32) -> Result<(), String> {
     let (records, counts, cursors) = (records.all(), counts.all(), cursors.all());
     let mut recorder = device.recorder().expect("a recorder");
     recorder.run(&radix::Count { records, counts }, push(count), &run()).expect("recorded");
-    scan.record(&mut recorder, counts, cursors, overflow.all()).expect("recorded");
+    scan.record(&mut recorder, counts, cursors).expect("recorded");
     let scatter = radix::Scatter { records, cursors, moved: moved.all() };
     recorder.run(&scatter, push(stored), &run().variant(variant)).expect("recorded");
     radix::agree(&mut recorder, counts, cursors, count).expect("recorded");

@@ -11,12 +11,12 @@ fn scan(device: &Device, values: &[u32]) -> (Vec<u32>, u32) {
     let n = values.len() as u64;
     let input = device.upload("values", values).expect("fits");
     let output = device.buffer::<u32>("offsets", n, Memory::Device).expect("fits");
-    let flag = device.upload("flag", &[0u32]).expect("fits");
     let scan = Scan::new(device, n).expect("fits");
+    scan.overflow.upload(&[0]).expect("uploaded");
     let mut recorder = device.recorder().expect("a recorder");
-    scan.record(&mut recorder, input.all(), output.all(), flag.all()).expect("recorded");
+    scan.record(&mut recorder, input.all(), output.all()).expect("recorded");
     recorder.submit("scan").expect("submitted");
-    (output.read(0, n).expect("read"), flag.read(0, 1).expect("read")[0])
+    (output.read(0, n).expect("read"), scan.overflow.read(0, 1).expect("read")[0])
 }
 
 fn expected(values: &[u32]) -> Vec<u64> {

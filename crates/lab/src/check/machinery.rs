@@ -28,12 +28,12 @@ fn scan(stage: &CaseRenderer, values: &[u32]) -> Result<(Vec<u32>, bool)> {
     let (device, n) = (stage.device(), values.len() as u64);
     let input = device.upload("values", values)?;
     let output = device.buffer::<u32>("sums", n, Memory::Device)?;
-    let flag = device.upload("flag", &[0u32])?;
     let scan = Scan::new(device, n)?;
+    scan.overflow.upload(&[0])?;
     let mut recorder = device.recorder()?;
-    scan.record(&mut recorder, input.all(), output.all(), flag.all())?;
+    scan.record(&mut recorder, input.all(), output.all())?;
     recorder.submit("scan")?;
-    Ok((output.read(0, n)?, flag.read(0, 1)?.first() != Some(&0)))
+    Ok((output.read(0, n)?, scan.overflow.read(0, 1)?.first() != Some(&0)))
 }
 
 fn sums(stage: &mut CaseRenderer, n: usize) -> CaseResult {

@@ -5,7 +5,6 @@ use super::passes::{Lengths, Measure};
 use super::{ABuffer, Bodies, Counting, LOCAL_LENGTH, ListsJob};
 use crate::methods::prelude::*;
 use crate::passes::foresight::AnswerPlace;
-use crate::passes::scan::Scan;
 
 /// Pixels of one invocation of `abuffer/measure`.
 const MEASURE_RUN: u64 = 64;
@@ -70,12 +69,7 @@ impl ABuffer {
         let pixels = bands::pixels(job.raster.window);
         self.room.counts.reserve(device, pixels + 1)?;
         self.room.offsets.reserve(device, pixels + 1)?;
-        // A smaller one is freed before a larger one is made.
-        let kept = self.scan.take().filter(|s| s.capacity() > pixels);
-        let scan = &*self.scan.insert(match kept {
-            Some(scan) => scan,
-            None => Scan::new(device, pixels + 1)?,
-        });
+        self.scan.reserve(device, pixels + 1)?;
         let beside = job.storing.bodies() == Bodies::Counted;
         self.beside = beside;
         self.bodies.reserve(device, if beside { pixels } else { 1 })?;
@@ -85,7 +79,7 @@ impl ABuffer {
 
         let mut recorder = timeline.recorder(device)?;
         recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
-        recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
+        recorder.fill("abuffer/clear", self.scan.overflow.all(), 0)?;
         recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
         if job.storing.bodies() != Bodies::Fragments {
             recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
@@ -102,14 +96,14 @@ impl ABuffer {
         }
         let measure = measure.variant(measure_variant(LOCAL_LENGTH));
         recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, push, &measure)?;
-        scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
+        self.scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1))?;
         if !job.storing.needs().links {
             // From here on the counts are the cursors that hand out slots.
             recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
         }
         self.told_offsets.record(&mut recorder, offsets);
         self.told_bodies.record(&mut recorder, self.bodies.get());
-        let mut words = vec![self.overflow.all(), self.lengths.all().cast(), offsets.slice(pixels, 1)];
+        let mut words = vec![self.scan.overflow.all(), self.lengths.all().cast(), offsets.slice(pixels, 1)];
         if beside {
             words.push(self.body_lengths.all().cast());
         }

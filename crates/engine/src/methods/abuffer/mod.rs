@@ -63,8 +63,7 @@ fields! {
     pub struct ABuffer by device {
         room: Room = Room::new(device)?,
         told_offsets: Told<u32> = Told::new("fragment offsets, host"),
-        scan: Option<Scan> = None,
-        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+        scan: Scan = Scan::new(device, 0)?,
         lengths: Buffer<Lengths> = device.buffer("list lengths", 1, Memory::Device)?,
         /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and
         /// their lengths.

@@ -82,8 +82,7 @@ fields! {
             ["sort records", "sort records, moved"].map(|name| Scratch::new(name, Memory::Device)),
         counts: Scratch<u32> = Scratch::new("tile counts by run", Memory::Device),
         cursors: Scratch<u32> = Scratch::new("tile cursors by run", Memory::Device),
-        scan: Option<Scan> = None,
-        overflow: Buffer<u32> = device.buffer("scan overflow", 1, Memory::Device)?,
+        scan: Scan = Scan::new(device, 0)?,
         longest: Buffer<u32> = device.buffer("longest tile list", 1, Memory::Device)?,
         entries: Scratch<u32> = Scratch::new("ordered tile entries", Memory::Device),
     }
@@ -154,7 +153,7 @@ impl Bins {
         };
         self.record_tile_count(&mut recorder, job, &binning, last)?;
         let total = self.cursors.get().slice(binning.cells() - 1, 1);
-        let counts = [self.overflow.all(), total, self.longest.all()];
+        let counts = [self.scan.overflow.all(), total, self.longest.all()];
         let answer = timeline.ask(device, recorder, ("bin/summary", "bin/sort and count"), &counts)?;
         let [overflow, entries, longest] = [answer.words[0], answer.words[1], answer.words[2]];
         if overflow != 0 || u64::from(entries) * 4 > left {
@@ -190,8 +189,7 @@ impl Bins {
     pub fn bytes(&self) -> u64 {
         let records: u64 = self.records.iter().map(|r| r.bytes()).sum();
         let tiles = self.counts.bytes() + self.cursors.bytes() + self.entries.bytes();
-        let scan = self.scan.as_ref().map_or(0, |s| Scan::bytes(s.capacity()));
-        records + tiles + scan + self.radix.kept_bytes()
+        records + tiles + self.scan.kept_bytes() + self.radix.kept_bytes()
     }
 
     /// Decides how a window is binned; sorts nothing.
@@ -216,12 +214,7 @@ impl Bins {
         let cells = binning.cells().max(picked);
         self.counts.reserve(device, cells)?;
         self.cursors.reserve(device, cells)?;
-        // A smaller one is freed before a larger one is made.
-        self.scan = self.scan.take().filter(|s| s.capacity() >= cells);
-        if self.scan.is_none() {
-            self.scan = Some(Scan::new(device, cells)?);
-        }
-        Ok(())
+        Ok(self.scan.reserve(device, cells)?)
     }
 }
 

@@ -46,15 +46,15 @@ impl Bins {
         subgroup: u32,
     ) -> Result<usize, Error> {
         let cloud = job.raster.cloud;
-        let (Some(scan), Some(order)) = (&self.scan, cloud.along(axis.index)) else { return Ok(0) };
+        let Some(order) = cloud.along(axis.index) else { return Ok(0) };
         let Runs { runs, length } = order_runs(device, cloud.len());
         let push = PresortedPush { count: cloud.len() as u32, run_length: length, backward: u32::from(axis.backward) };
         let (counts, starts) = (self.counts.get().slice(0, runs.into()), self.cursors.get().slice(0, runs.into()));
         let (bounds, records) = (cloud.bounds.all(), self.records[0].get().all());
         let run = || Run::new(Dispatch::Groups(runs.into())).variant(presorted_variant(subgroup));
         recorder.run(&Pick { order, bounds, counts }, push, &run())?;
-        recorder.fill("bin/clear", self.overflow.all(), 0)?;
-        scan.record(recorder, counts, starts, self.overflow.all())?;
+        recorder.fill("bin/clear", self.scan.overflow.all(), 0)?;
+        self.scan.record(recorder, counts, starts)?;
         recorder.run(&Place { order, bounds, starts, records }, push, &run())?;
         Ok(0)
     }

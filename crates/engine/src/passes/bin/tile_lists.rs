@@ -16,16 +16,15 @@ impl Bins {
         binning: &Binning,
         records: usize,
     ) -> Result<(), Error> {
-        let Some(scan) = &self.scan else { return Ok(()) };
         let cells = binning.cells();
         let (counts, cursors) = (self.counts.get().slice(0, cells), self.cursors.get().slice(0, cells));
         recorder.fill("bin/clear", counts, 0)?;
-        recorder.fill("bin/clear", self.overflow.all(), 0)?;
+        recorder.fill("bin/clear", self.scan.overflow.all(), 0)?;
         let (cloud, records) = (job.raster.cloud, self.records[records].get().all());
         let run = Run::new(Dispatch::Invocations(binning.drawn));
         let count = TileCount { view: cloud.view(), records, bounds: cloud.bounds.all(), counts };
         recorder.run(&count, binning.push(), &run)?;
-        scan.record(recorder, counts, cursors, self.overflow.all())?;
+        self.scan.record(recorder, counts, cursors)?;
         let (tiles, longest) = (binning.tiles(), self.longest.all());
         recorder.fill("bin/clear", longest, 0)?;
         let run = Run::new(Dispatch::Invocations(tiles));
