@@ -100,11 +100,11 @@ pub(super) fn multisampled_size(instance: &Instance, physical: vk::PhysicalDevic
 /// An image to be drawn into and read.
 pub struct Attachment {
     context: Arc<Context>,
-    format: Format,
-    samples: u32,
+    pub(super) format: Format,
+    pub(super) samples: u32,
     size: [u32; 2],
-    raw: vk::Image,
-    view: vk::ImageView,
+    pub(super) raw: vk::Image,
+    pub(super) view: vk::ImageView,
     allocation: Option<Allocation>,
 }
 
@@ -162,32 +162,9 @@ impl Attachment {
         Ok(())
     }
 
-    /// Returns the format of a sample.
-    pub fn format(&self) -> Format {
-        self.format
-    }
-
-    /// Returns samples per pixel.
-    pub fn samples(&self) -> u32 {
-        self.samples
-    }
-
-    /// Returns columns and rows.
-    pub fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
     /// Returns a resource for binding it to a pass that reads it.
     pub fn texture(&self) -> Resource {
         Resource::Texture(self.view)
-    }
-
-    pub(super) fn view(&self) -> vk::ImageView {
-        self.view
-    }
-
-    pub(super) fn raw(&self) -> vk::Image {
-        self.raw
     }
 
     pub(super) fn range(&self) -> vk::ImageSubresourceRange {
@@ -218,7 +195,7 @@ impl ScratchAttachment {
 
     /// Makes sure it has exactly this size, so that it never exceeds the budget; earlier content may be lost.
     pub fn reserve(&mut self, device: &Device, size: [u32; 2]) -> Result<(), Error> {
-        if self.image.as_ref().is_none_or(|image| image.size() != size) {
+        if self.image.as_ref().is_none_or(|image| image.size != size) {
             // Freed first, so that old and new never exist together.
             self.image = None;
             self.image = Some(device.attachment(self.name, self.format, self.samples, size)?);

@@ -35,16 +35,16 @@ impl<'a> Targets<'a> {
 
     fn outputs(&self) -> Outputs {
         Outputs {
-            color: self.color.map(|(image, blend)| (image.format(), blend)),
+            color: self.color.map(|(image, blend)| (image.format, blend)),
             depth: self.depth.is_some(),
-            samples: self.images().next().map_or(1, Attachment::samples),
+            samples: self.images().next().map_or(1, |image| image.samples),
         }
     }
 
     fn info(&self, image: &Attachment, clear: vk::ClearValue) -> vk::RenderingAttachmentInfo<'static> {
         let load = if self.clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
         vk::RenderingAttachmentInfo::default()
-            .image_view(image.view())
+            .image_view(image.view)
             .image_layout(DRAWN)
             .load_op(load)
             .store_op(vk::AttachmentStoreOp::STORE)
@@ -148,6 +148,6 @@ impl<'a> Recorder<'a> {
 
     /// Takes attachments from one layout to another, if there are any.
     fn image_barrier(&self, targets: Targets<'_>, layouts: [vk::ImageLayout; 2]) {
-        image_barriers(&self.context, self.commands, targets.images().map(|i| (i.raw(), i.range())), layouts);
+        image_barriers(&self.context, self.commands, targets.images().map(|i| (i.raw, i.range())), layouts);
     }
 }
