@@ -7,7 +7,7 @@
 use super::tiled;
 use crate::methods::abuffer::{self, list_bytes};
 use crate::methods::prelude::*;
-use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
+use crate::methods::splats::{self, Onto, SOLID_BYTES, draw_solid, solid_projecting};
 use crate::scene::OneLayer;
 
 gpu_struct! {
@@ -53,28 +53,12 @@ pub(crate) struct OneLayerEngine {
     pub settings: OneLayer,
 }
 
-/// Projected points: what was found in each chunk, and which pixels they cover.
-type Splats<'a> = (&'a [Stats], Footprint);
-
-/// Draws projected points as `splats` does, with its defaults.
-fn draw(
-    cloud: &DeviceCloud,
-    buffers: &mut Buffers,
-    work: &mut Work<'_>,
-    (stats, footprint): Splats<'_>,
-    onto: Onto,
-) -> Result<Outcome, Error> {
-    let counted_bytes = if work.frame.fragments { abuffer::PIXEL_BYTES } else { 0 };
-    let (blend_depth, used_bytes) = (BlendedSplats::default().blend_depth, SOLID_BYTES + counted_bytes);
-    splats::draw(cloud, buffers, work, &Drawing { stats, footprint, blend_depth, used_bytes, onto })
-}
-
 /// Counts the splats of each pixel.
 fn count(
     cloud: &DeviceCloud,
     buffers: &mut Buffers,
     work: &mut Work<'_>,
-    (stats, footprint): Splats<'_>,
+    (stats, footprint): (&[Stats], Footprint),
 ) -> Result<Outcome, Error> {
     let Buffers { tiles, resources } = buffers;
     let Some(budget) = work.reserve_tiles(tiles, stats, true)? else { return Ok(Outcome::Overflow) };
@@ -105,6 +89,7 @@ impl Engine for OneLayerEngine {
             // Large splats are binned behind the layer: memory for their tiles is set aside.
             work.budget.tiles = work.budget.bytes / 8;
         }
+        let counted = if work.frame.fragments { abuffer::PIXEL_BYTES } else { 0 };
         let mut met = None;
         if cloud.parts(threshold).soft > 0 {
             let how = solid_projecting(work.frame, cloud, CloudPart::Soft { threshold, modulation: None });
@@ -112,7 +97,8 @@ impl Engine for OneLayerEngine {
             if !work.survey {
                 buffers.resources.layer.reserve(work.device, work.pixels())?;
             }
-            if draw(cloud, buffers, work, (&stats, how.footprint), Onto::Layer)? == Outcome::Overflow {
+            let splats = (&*stats, how.footprint, Onto::Layer);
+            if draw_solid(cloud, buffers, work, splats, counted)? == Outcome::Overflow {
                 return Ok(Outcome::Overflow);
             }
             met = Some(stats);
@@ -125,11 +111,10 @@ impl Engine for OneLayerEngine {
         };
         let how = solid_projecting(work.frame, cloud, part);
         let stats = work.project(cloud, &how)?;
-        let splats: Splats<'_> = (&stats, how.footprint);
-        if work.frame.fragments && count(cloud, buffers, work, splats)? == Outcome::Overflow {
+        if work.frame.fragments && count(cloud, buffers, work, (&stats, how.footprint))? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
-        if draw(cloud, buffers, work, splats, onto)? == Outcome::Overflow {
+        if draw_solid(cloud, buffers, work, (&stats, how.footprint, onto), counted)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
         work.facts.layered += u64::from(layered);

@@ -293,14 +293,15 @@ pub(crate) fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: CloudPa
     frame.projecting(cloud, Footprint::Oriented, ScreenSplats::default(), part)
 }
 
-/// Draws projected splats of solid points as `splats` does, with its defaults.
+/// Draws projected points as `splats` does, with its defaults. A pixel takes `counted_bytes` where splats are counted.
 pub(crate) fn draw_solid(
     cloud: &DeviceCloud,
     buffers: &mut Buffers,
     work: &mut Work<'_>,
     (stats, footprint, onto): (&[Stats], Footprint, Onto),
+    counted_bytes: u64,
 ) -> Result<Outcome, Error> {
-    let (blend_depth, used_bytes) = (BlendedSplats::default().blend_depth, SOLID_BYTES);
+    let (blend_depth, used_bytes) = (BlendedSplats::default().blend_depth, SOLID_BYTES + counted_bytes);
     draw(cloud, buffers, work, &Drawing { stats, footprint, blend_depth, used_bytes, onto })
 }
 

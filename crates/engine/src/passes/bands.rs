@@ -13,10 +13,15 @@ pub fn windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
     let capacity = capacity.max(1);
     let columns = u64::from(size[0]).min(capacity) as u32;
     let rows = (capacity / u64::from(size[0])).clamp(1, u64::from(size[1])) as u32;
+    cut(size, [columns, rows])
+}
+
+/// Cuts the image into windows of so many columns and rows, the last ones of less.
+pub fn cut(size: [u32; 2], [columns, rows]: [u32; 2]) -> Vec<Window> {
     let mut found = Vec::new();
     for y in (0..size[1]).step_by(rows as usize) {
         for x in (0..size[0]).step_by(columns as usize) {
-            found.push([x, y, (x + columns).min(size[0]), (y + rows).min(size[1])]);
+            found.push([x, y, x.saturating_add(columns).min(size[0]), y.saturating_add(rows).min(size[1])]);
         }
     }
     found
@@ -41,13 +46,7 @@ pub fn tile_windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
     // A row of tiles, or as much of it as fits.
     let columns = if width * tile <= capacity { size[0] } else { (capacity / tile / tile * tile) as u32 };
     let rows = (capacity / u64::from(columns) / tile * tile).clamp(tile, u64::from(size[1]).max(tile)) as u32;
-    let mut found = Vec::new();
-    for y in (0..size[1]).step_by(rows as usize) {
-        for x in (0..size[0]).step_by(columns as usize) {
-            found.push([x, y, x.saturating_add(columns).min(size[0]), y.saturating_add(rows).min(size[1])]);
-        }
-    }
-    found
+    cut(size, [columns, rows])
 }
 
 /// Like [`halves`], but cuts between tiles of the image as long as a window has two.

@@ -1,15 +1,7 @@
 //! Cutting the image into windows that are rendered with all around them that the filters reach.
 
-use crate::passes::bands::Window;
-use crate::passes::tiles;
-
-/// Side of a tile in pixels.
-pub const TILE: u32 = tiles::TILE;
-
-/// Returns the columns and rows of tiles that cover a window.
-pub fn tiles([x0, y0, x1, y1]: Window) -> [u32; 2] {
-    [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)]
-}
+use crate::passes::bands::{self, Window};
+pub use crate::passes::tiles::{TILE, grid as tiles};
 
 /// Returns a window with `halo` pixels more on each side, as far as the image goes.
 pub fn grown([x0, y0, x1, y1]: Window, halo: u32, size: [u32; 2]) -> Window {
@@ -32,14 +24,7 @@ pub fn windows(size: [u32; 2], most_tiles: u64, halo: u32) -> Option<Vec<Window>
         [inside(across, halo, size[0]), inside(down, halo, size[1])]
     };
     let area = |[width, height]: &[u32; 2]| u64::from(*width) * u64::from(*height);
-    let [width, height] = (1..=columns).map(of).max_by_key(area).filter(|best| area(best) > 0)?;
-    let mut found = Vec::new();
-    for y in (0..size[1]).step_by(height as usize) {
-        for x in (0..size[0]).step_by(width as usize) {
-            found.push([x, y, x.saturating_add(width).min(size[0]), y.saturating_add(height).min(size[1])]);
-        }
-    }
-    Some(found)
+    (1..=columns).map(of).max_by_key(area).filter(|best| area(best) > 0).map(|largest| bands::cut(size, largest))
 }
 
 /// Returns the fewest tiles that a window of one pixel takes, wherever in the image it lies.

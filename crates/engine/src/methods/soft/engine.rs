@@ -314,7 +314,7 @@ fn draw_solids(
         buffers.resources.layer.reserve(work.device, work.pixels())?;
     }
     let stats = work.project(cloud, how)?;
-    let outcome = splats::draw_solid(cloud, buffers, work, (&stats, how.footprint, Onto::Layer))?;
+    let outcome = splats::draw_solid(cloud, buffers, work, (&stats, how.footprint, Onto::Layer), 0)?;
     work.survey = survey;
     let found = stats.found;
     work.note_later(move |facts, timeline| facts.meet(&found.stats(timeline)));
