@@ -75,8 +75,8 @@ binaries() {
 
 # Suites that use the device all the time, in the order in which they run.
 device_suites=(gpu lab cli)
-# Suites that run beside them: on the host alone, with small pictures, or waiting for windows most of the time. Units and
-# examples are among them. `cargo test` without any target would build all examples, which clippy does faster.
+# Suites that run beside them: on the host alone, with small pictures, or waiting for windows most of the time. Units
+# and examples are among them. `cargo test` without any target would build all examples, which clippy does faster.
 units=(--lib --example drivers --example gpu-shape --example study)
 other_suites=()
 for name in $(binaries | sort -u); do

@@ -97,7 +97,7 @@ impl Display {
         // The window library panics where a library of the system is missing.
         let hook = std::panic::take_hook();
         std::panic::set_hook(Box::new(|_| {}));
-        let made = std::panic::catch_unwind(|| EventLoop::new());
+        let made = std::panic::catch_unwind(EventLoop::new);
         std::panic::set_hook(hook);
         match made {
             Ok(Ok(event_loop)) => Ok(Self(event_loop)),

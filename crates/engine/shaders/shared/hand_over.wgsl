@@ -16,8 +16,8 @@
 //     STOPS, is_done(state) -> bool                whether pixels may be done before the last splat, and whether one is
 //     finish(state, pixel)                         after the run's last splat
 // Held pixels are told apart in the text alone, which lavapipe compiles in half the time of one that picks them by an
-// index. Each block has functions of its own with the pixels that it has: drivers inline first, and find out later which
-// pixels a block does not have.
+// index. Each block has functions of its own for its own pixels: drivers inline all calls before they find out which
+// pixels another block has.
 #import tile_run
 #import dispatch
 

@@ -454,7 +454,7 @@ fn points_without_normals_are_told_of_where_they_would_count() {
         let text = format!("{settings}\n[[cloud]]\npath = '{}'\n", path.display());
         let scene = Scene::from_toml_with(&text, Path::new("scene.toml"), &Overrides::default()).unwrap();
         let stores = open_stores(&scene, &hidden).unwrap();
-        Stored::new(&scene, &stores, HOST, &hidden).map(|stored| stored.notes.to_vec())
+        Stored::new(&scene, &stores, HOST, &hidden).map(|stored| stored.notes.clone())
     };
     let unlit = "[shading]\nmodel = 'none'\n[method]\nname";
     for path in [&some, &none] {

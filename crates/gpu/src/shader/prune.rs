@@ -49,15 +49,15 @@ fn prune_function(
     result
 }
 
-/// What is known of a function's expressions.
+/// Knowledge of a function's expressions.
 struct Pruner<'a> {
     module: &'a Module,
     /// Constants that functions return.
     results: &'a HashMap<Handle<Function>, Literal>,
     expressions: &'a Arena<Expression>,
     locals: &'a Arena<LocalVariable>,
-    /// What variables without names hold, `None` if that is no constant. naga makes one of each `&&` and `||`, stores
-    /// to it in both branches, and reads it after them.
+    /// Values of the variables without names, `None` for those that are no constants. naga makes one such variable of
+    /// each `&&` and `||`, stores to it in both branches, and reads it after them.
     stored: HashMap<Handle<LocalVariable>, Option<Literal>>,
 }
 
@@ -152,7 +152,7 @@ impl Pruner<'_> {
     }
 }
 
-/// What is left of a statement.
+/// Remainder of a statement.
 enum Kept {
     One(Statement),
     /// The branch that is taken.

@@ -99,7 +99,7 @@ impl CaseRenderer {
         Ok(self.image(dots, pixels([1, 1]), [1, 1], method)?.rgba[0])
     }
 
-    /// Such a pixel, and that of a naive formula, against what it should be.
+    /// Compares a pixel of this kind, and that of a naive formula, with what it should be.
     pub(super) fn compare(
         &mut self,
         dots: &[Dot],

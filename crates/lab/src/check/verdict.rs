@@ -141,7 +141,7 @@ impl From<Result<Finding>> for Verdict {
 }
 
 impl Verdict {
-    /// What was found, if the case was run.
+    /// Returns the finding, if the case was run.
     pub(super) fn finding(&self) -> Option<Finding> {
         if let Self::Found(finding) = self { Some(*finding) } else { None }
     }

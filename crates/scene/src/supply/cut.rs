@@ -52,7 +52,8 @@ pub struct Cut {
     random: Random,
     /// `true` if some blocks have no levels.
     is_random: bool,
-    /// Pixels that points are apart at most, where there are so many: those asked for, or more to be as few as asked for.
+    /// Pixels that points are apart at most, where there are so many: those asked for, or more, so that no more points
+    /// come than asked for.
     pub px: f64,
     /// Place that the picture doesn't show.
     pub nowhere: DVec3,
