@@ -391,12 +391,12 @@ const SOME: u64 = 3 << 20;
 #[test]
 fn stores_are_dealt_to_ensembles_as_in_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store_of(folder.path(), "one", cloud(1, 90_000), &LOOSE);
+    let path = store_of(folder.path(), "one", cloud(1, 70_000), &LOOSE);
     let text = format!("[image]\nsize = [160, 120]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
     // k below and above 1, and all points once.
     let settings = [
         ("method.name=spbr method.ensembles=5", 0.1),
-        ("method.name=spbr method.ensembles=40", 1.0),
+        ("method.name=spbr method.ensembles=20", 1.0),
         ("method.name=spbr-simplified method.ensembles=7 method.brightness=1", 1.0),
     ];
     assert_same_dealt(&text, "one store", &settings);
