@@ -315,13 +315,14 @@ impl Session {
         self.prepared.scene()
     }
 
-    /// Reports the device, the method, and the size of the input.
+    /// Reports the device, the method, and the size of the input, and what [`Self::warn`] does.
     pub fn describe(&self, messages: &dyn Messages) {
         let info = self.device.info();
         messages.detail(&format_args!("device {} ({})", info.name, info.driver));
         messages.detail(&format_args!("method {}: {}", self.frame.method.name(), self.why));
         let [width, height] = self.frame.size;
         messages.detail(&format_args!("{} points, {width} × {height} pixels", self.uploaded.cloud.total()));
+        self.warn(messages);
     }
 
     /// Says which opacity was found, if one was looked for.

@@ -71,7 +71,6 @@ pub fn run(format: DeepFormat, device: &DeviceArgs, prepared: Prepared, output: 
         method => plan::resolve(method, session.points()).1,
     };
     session.describe(progress);
-    session.warn(progress);
     let layout = layout(format, &session);
     progress.stage("counting");
     let Session { renderer, uploaded: Uploaded { cloud, .. }, frame, device, .. } = &mut session;

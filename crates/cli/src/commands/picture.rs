@@ -87,7 +87,6 @@ fn picture(
 ) -> Result<()> {
     session.renderer.timed = job.args.measure.is_asked() || progress.console.is_verbose();
     session.describe(progress);
-    session.warn(progress);
     let own = step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}")));
     let (mut rendered, options) = session.picture(own.into_iter().collect(), progress)?;
     progress.finish_and_clear();

@@ -66,7 +66,6 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
     let (prepared, cameras) = args.prepare(&progress)?;
     let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;
     session.describe(&progress);
-    session.warn(&progress);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
     let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));

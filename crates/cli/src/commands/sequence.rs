@@ -72,7 +72,6 @@ pub fn run(
     legend::check(&prepared, progress)?;
     let mut session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
     session.describe(progress);
-    session.warn(progress);
     session.renderer.timed = job.args.measure.is_asked() || console.is_verbose();
     let mut frames = Frames::named(job, cameras, pattern, &session);
     frames.find(pattern)?;

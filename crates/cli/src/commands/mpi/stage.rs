@@ -96,7 +96,6 @@ impl RankScene {
         let share = together(ranks, job.choose(wanted, ranks.count(), link))?;
         if ranks.is_first() {
             session.describe(progress);
-            session.warn(progress);
             if ranks.count() > 1 {
                 progress.console.detail(format_args!("{} ranks share {share}", ranks.count()));
             }
@@ -113,7 +112,6 @@ impl RankScene {
     ) -> Result<Self> {
         let (session, spread) = spread::open(asked, prepared, all, progress)?;
         session.describe(progress);
-        session.warn(progress);
         progress.console.detail(spread.described());
         let (share, job) = (Share::Windows, Job::of(&session.frame, &session.prepared, frames));
         Ok(Self { session, share, job, link: Link::default(), spread: Some(spread), costs: None, last: None })
