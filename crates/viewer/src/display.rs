@@ -1,5 +1,5 @@
 //! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on
-//! the device are encoded there ([`pellucid_io::output::encode`]).
+//! the device are encoded there ([`pellucid_engine::methods::encode`]).
 
 use std::sync::{Arc, LazyLock};
 
