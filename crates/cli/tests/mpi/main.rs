@@ -4,6 +4,7 @@ mod spread;
 
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use std::{env, fs};
@@ -24,6 +25,10 @@ const ENVIRONMENT: [(&str, &str); 5] = [
 
 fn with_environment(command: &mut Command, folder: &TempDir) {
     command.current_dir(folder).envs(ENVIRONMENT).env("PELLUCID_CACHE_DIR", shader_cache()).stdin(Stdio::null());
+    // Runs of Open MPI at the same time share a folder unless told otherwise, and one removes it while another one
+    // makes it.
+    let own = folder.path().file_name().expect("a folder has a name");
+    command.env("OMPI_MCA_orte_tmpdir_base", Path::new(env!("CARGO_TARGET_TMPDIR")).join(own));
 }
 
 /// `PELLUCID_MPIRUN` names another one, as that of MPICH.
