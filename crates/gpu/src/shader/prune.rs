@@ -226,6 +226,8 @@ mod tests {
             "if has_a() && data[1] > 0.0 { data[0] = heavy(); }",
             "if data[1] > 0.0 && has_a() { data[0] = heavy(); }",
             "if !(!has_a() || data[1] > 0.0) { data[0] = heavy(); }",
+            "if has_a() & (data[1] > 0.0) { data[0] = heavy(); }",
+            "if !(!has_a() | (data[1] > 0.0)) { data[0] = heavy(); }",
             "if stride() == 2u { data[0] = heavy(); }",
             "if stride() != 1u { data[0] = heavy(); } else { data[0] = 1.0; }",
             "if !has_a() { return; } data[0] = heavy();",
@@ -240,16 +242,20 @@ mod tests {
 
     #[test]
     fn what_the_data_decide_stays() {
-        for (lines, expected) in [
-            ("if data[1] > 0.0 { data[0] = heavy(); }", 1),
-            ("var on: bool; if data[1] > 0.0 { on = true; } if on { data[0] = heavy(); }", 2),
-            ("var on = false; if data[1] > 0.0 { on = true; } if on { data[0] = heavy(); }", 2),
+        for (a, lines, expected) in [
+            (0.0, "if data[1] > 0.0 { data[0] = heavy(); }", 1),
+            (0.0, "var on: bool; if data[1] > 0.0 { on = true; } if on { data[0] = heavy(); }", 2),
+            (0.0, "var on = false; if data[1] > 0.0 { on = true; } if on { data[0] = heavy(); }", 2),
             // && and || have a branch of their own.
-            ("if data[1] > 0.0 && data[2] > 0.0 { data[0] = heavy(); }", 2),
-            ("if has_a() || data[2] > 0.0 { data[0] = heavy(); }", 1),
-            ("if data[1] == 0.0 { return; } data[0] = heavy();", 1),
+            (0.0, "if data[1] > 0.0 && data[2] > 0.0 { data[0] = heavy(); }", 2),
+            (0.0, "if has_a() || data[2] > 0.0 { data[0] = heavy(); }", 1),
+            (0.0, "if data[1] > 0.0 || has_a() { data[0] = heavy(); }", 2),
+            (1.0, "if data[1] > 0.0 && has_a() { data[0] = heavy(); }", 2),
+            (0.0, "if has_a() | (data[1] > 0.0) { data[0] = heavy(); }", 1),
+            (1.0, "if has_a() & (data[1] > 0.0) { data[0] = heavy(); }", 1),
+            (0.0, "if data[1] == 0.0 { return; } data[0] = heavy();", 1),
         ] {
-            let (names, branches) = left(&shader(lines), &[]);
+            let (names, branches) = left(&shader(lines), &[("A", a)]);
             assert!(names.contains(&"heavy".to_owned()) && branches == expected, "{lines}: {branches}");
         }
     }
