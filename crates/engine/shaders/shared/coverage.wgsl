@@ -10,6 +10,21 @@ struct Coverage {
     rho: f32,
 }
 
+// What a flat splat's coverage reads of `view`. Read once, outside all branches: drivers merge no loads that stand in
+// branches, and move none out of them.
+struct Lens {
+    // Columns and rows of the whole image.
+    size: vec2<u32>,
+    focal: f32,
+    // Depth that those of splats are relative to.
+    origin: f32,
+    orthographic: bool,
+}
+
+fn lens_of_view() -> Lens {
+    return Lens(view.size, view.focal.x, view.eye_hi.w, view.orthographic != 0u);
+}
+
 // From the projected center to a pixel's center, in pixels: exact up to one rounding.
 fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
     return whole + (0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y));
@@ -18,25 +33,25 @@ fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
 // The ray through a pixel against the disc's plane, with everything in pixels at the center's depth and relative to the
 // center, so that nothing cancels: with o = (pixel - center, 0), d the ray and t = n.o / n.d, the hit lies at o - d t
 // from the center and t pixels nearer than it.
-fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u32>) -> Coverage {
+fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u32>, lens: Lens) -> Coverage {
     let normal = tilt.xyz;
     let o = offset_of(splat, whole);
     let along = normal.x * o.x + normal.y * o.y;
     var ray = vec3<f32>(0.0, 0.0, 1.0);
-    var unit = 1.0 / view.focal.x;
+    var unit = 1.0 / lens.focal;
     var facing = tilt.w;
-    if view.orthographic == 0u {
-        let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
-        ray = vec3<f32>(from_middle / view.focal.x, 1.0);
-        unit = (splat.depth + view.eye_hi.w) / view.focal.x;
-        facing += along / view.focal.x;
+    if !lens.orthographic {
+        let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(lens.size);
+        ray = vec3<f32>(from_middle / lens.focal, 1.0);
+        unit = (splat.depth + lens.origin) / lens.focal;
+        facing += along / lens.focal;
     }
     let t = along / facing;
     let from_center = vec3<f32>(o, 0.0) - ray * t;
     let squared = dot3(from_center, from_center);
     let depth = splat.depth - unit * t;
     // An edge-on plane gives NaN or infinity, and the comparison is then false. A ray starts at the eye.
-    if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth + view.eye_hi.w > 0.0) {
+    if squared <= splat.radius * splat.radius && (lens.orthographic || depth + lens.origin > 0.0) {
         return Coverage(true, depth, relative_distance(sqrt(squared), splat.radius));
     }
     return Coverage(all(whole == vec2<f32>(0.0)), splat.depth, 1.0);
@@ -47,7 +62,7 @@ fn relative_distance(distance: f32, radius: f32) -> f32 {
 }
 
 // Depth of a flat splat where the distance from its center over its radius has this square.
-fn moved_depth(splat: Splat, squared: f32) -> f32 {
+fn moved_depth(splat: Splat, squared: f32, lens: Lens) -> f32 {
     if RELIEF == RELIEF_FLAT {
         return splat.depth;
     }
@@ -57,7 +72,7 @@ fn moved_depth(splat: Splat, squared: f32) -> f32 {
     } else if RELIEF != RELIEF_PARABOLOID {
         w = sqrt(max(w, 0.0));
     }
-    let unit = select(splat.depth + view.eye_hi.w, 1.0, view.orthographic != 0u) / view.focal.x;
+    let unit = select(splat.depth + lens.origin, 1.0, lens.orthographic) / lens.focal;
     return splat.depth - w * (splat.radius * unit);
 }
 
@@ -67,6 +82,7 @@ fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Coverage {
 
 // The same where the way from the center's pixel is known.
 fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>) -> Coverage {
+    let lens = lens_of_view();
     let in_center = all(whole == vec2<f32>(0.0));
     if SHAPE == SHAPE_POINT {
         return Coverage(in_center, splat.depth, 1.0);
@@ -75,17 +91,17 @@ fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>) -> C
         return cover_gaussian(splat, tilt, offset_of(splat, whole));
     }
     if may_tilt() && any(tilt.normal.xyz != vec3<f32>(0.0)) {
-        return cover_oriented(splat, tilt.normal, whole, pixel);
+        return cover_oriented(splat, tilt.normal, whole, pixel, lens);
     }
     let offset = offset_of(splat, whole);
     if SHAPE == SHAPE_SQUARE {
         let inside = all(abs(offset) <= vec2<f32>(splat.radius));
         // The rim counts where only the center's own pixel is covered.
         let relative = select(1.0, dot(offset, offset) / (splat.radius * splat.radius), inside && splat.radius > 0.0);
-        return Coverage(inside || in_center, moved_depth(splat, relative), sqrt(relative));
+        return Coverage(inside || in_center, moved_depth(splat, relative, lens), sqrt(relative));
     }
     let squared = dot(offset, offset);
     let inside = squared <= splat.radius * splat.radius;
     let rho = relative_distance(sqrt(squared), splat.radius);
-    return Coverage(inside || in_center, moved_depth(splat, rho * rho), rho);
+    return Coverage(inside || in_center, moved_depth(splat, rho * rho, lens), rho);
 }
