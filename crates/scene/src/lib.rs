@@ -7,6 +7,7 @@ mod along;
 mod assemble;
 mod batches;
 mod broadest_side;
+mod cache;
 mod choice;
 mod classes;
 mod clip;

@@ -4,21 +4,21 @@
 //! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from
 //! facts about all points, and from some points that stand for all ([`Sampling`]), which a scene in memory takes, too.
 
-mod cache;
 mod cloud;
 mod levels;
 mod survey;
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use self::cache::Cache;
 use self::cloud::StoredCloud;
 pub use self::survey::OpenStore;
 use super::assemble::{most_frequent, no_points};
+use super::cache::Cache;
 use super::clip::Clips;
 use super::error::Error;
 use super::gaussians;
@@ -108,7 +108,9 @@ struct Nodes {
     blocks: Vec<Block>,
     /// Cloud and node of each block.
     places: Vec<[u32; 2]>,
-    cache: Cache,
+    cache: Cache<Points>,
+    /// Bytes that were read of nodes so far.
+    bytes_read: AtomicU64,
     /// Places of points that stand for all, and how many each stands for.
     sampled: (Vec<DVec3>, u64),
     /// Points that are taken at a time.
@@ -167,8 +169,20 @@ impl Stored {
         let sample = sample.taken_by(sampling);
         let sampled = (sample.positions.clone(), sampling.every());
         let splats = clouds.iter().filter_map(|cloud| cloud.splats).reduce(WholeSplats::and);
-        let (cache, most) = (Cache::new(memory / 2), (memory / taken_bytes(splats)).max(1));
-        let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache, sampled, most });
+        let (cache, most) = (Cache::new(memory / 2, Points::bytes), (memory / taken_bytes(splats)).max(1));
+        let nodes = Arc::new(Nodes {
+            scene,
+            clips,
+            clouds,
+            anchors,
+            bounds,
+            blocks,
+            places,
+            cache,
+            bytes_read: AtomicU64::new(0),
+            sampled,
+            most,
+        });
         let clouds = &nodes.clouds;
         let whole = WholeScene {
             count,
@@ -254,9 +268,7 @@ impl Stored {
     /// # Errors
     /// Returns an error if the points can't be read.
     pub fn block(&self, block: usize) -> Result<Points, Failure> {
-        let (points, bytes) = self.nodes.read(block)?;
-        self.nodes.cache.count(bytes);
-        Ok(points)
+        self.nodes.read(block)
     }
 
     /// Gives the memory of nodes back that were read.
@@ -267,7 +279,7 @@ impl Stored {
     /// Returns bytes that were read of nodes so far, and those of all nodes.
     pub fn bytes_read(&self) -> [u64; 2] {
         let nodes = self.nodes.clouds.iter().flat_map(|cloud| cloud.store.nodes());
-        [self.nodes.cache.bytes_read(), nodes.map(|node| node.bytes).sum()]
+        [self.nodes.bytes_read.load(Ordering::Relaxed), nodes.map(|node| node.bytes).sum()]
     }
 }
 
@@ -283,15 +295,16 @@ impl Nodes {
 
     /// The points of a block, with those that are not drawn set apart.
     fn part(&self, block: usize) -> Result<Arc<Points>, Failure> {
-        self.cache.get(block as u32, || self.read(block))
+        self.cache.get(block, || self.read(block))
     }
 
-    /// Reads the points of a block, from so many bytes.
-    fn read(&self, block: usize) -> Result<(Points, u64), Failure> {
+    /// Reads the points of a block.
+    fn read(&self, block: usize) -> Result<Points, Failure> {
         let [cloud, node] = self.places[block].map(|number| number as usize);
         let cloud = &self.clouds[cloud];
         let points = cloud.points(&self.scene, &self.clips, node).map_err(|error| Failure::Store(Arc::new(error)))?;
-        Ok((points, cloud.store.nodes()[node].bytes))
+        self.bytes_read.fetch_add(cloud.store.nodes()[node].bytes, Ordering::Relaxed);
+        Ok(points)
     }
 }
 

@@ -37,6 +37,9 @@ const BYTES_OF_POINT: u64 = 300;
 /// See [`BYTES_OF_POINT`].
 const BYTES_OF_NEIGHBOR: u64 = 4;
 
+/// Part of memory for nodes that are held, as its denominator.
+const HELD: u64 = 8;
+
 /// Reason why a store can't be prepared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -133,7 +136,7 @@ fn compute(
     let wants = Wants { normals: request.normals, fields: !is_stored && field == Field::Uncertainty };
     let k = usize::try_from(summary.points - 1).unwrap_or(usize::MAX).min(neighbors);
     let plan = ValuePlan { k, cap, radii: request.stored_radii(like).is_none(), wants };
-    let source = RegionStore::new(octree);
+    let source = RegionStore::new(octree, settings.host_memory / HELD);
     let from_columns = !is_stored && field != Field::Uncertainty;
     progress.set_message("looking at the points");
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -171,7 +174,7 @@ fn compute(
 fn region_points(settings: &Settings, k: usize) -> u64 {
     // As for a cloud in memory, and as many points again around a region.
     let each = 2 * (BYTES_OF_POINT + BYTES_OF_NEIGHBOR * k as u64);
-    (settings.host_memory / each).max(1)
+    ((settings.host_memory - settings.host_memory / HELD) / each).max(1)
 }
 
 /// Finds the values of all regions.

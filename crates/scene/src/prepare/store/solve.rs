@@ -16,8 +16,10 @@ use pellucid_io as io;
 /// Distances around a region that are searched at first and at last, as a share of its side.
 const REACH: [f64; 2] = [0.125, 0.5];
 
-/// Points that are found one by one sooner than with more around their region.
+/// Points that are found one by one sooner than with more around their region, at most; and as a share of the region's.
 const FEW: usize = 1000;
+/// See [`FEW`].
+const FEW_OF: usize = 8;
 
 /// Widens distances by what is rounded.
 const WIDER: f64 = 1.0 + 1e-9;
@@ -56,7 +58,8 @@ impl Solver<'_> {
                 self.margin(&halo, local.positions[*i]) > needed
             };
             let (valid, left): (Vec<usize>, Vec<usize>) = own.partition(is_valid);
-            if left.len() > FEW && reach < REACH[1] * side {
+            let few = FEW.min((valid.len() + left.len()) / FEW_OF);
+            if left.len() > few && reach < REACH[1] * side {
                 reach *= 4.0;
                 continue;
             }

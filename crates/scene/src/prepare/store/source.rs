@@ -3,10 +3,11 @@
 use glam::{DVec3, Vec3};
 
 use super::super::morton;
-use pellucid_core::cloud::Bounds;
+use crate::cache::Cache;
+use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::parallel;
 use pellucid_io::Error;
-use pellucid_io::store::{Node, Octree, Piece, Store};
+use pellucid_io::store::{Node, Octree, Store};
 
 /// A store whose points are looked at region by region.
 #[derive(Debug)]
@@ -15,6 +16,21 @@ pub(super) struct RegionStore {
     pub bounds: Bounds,
     /// A distance within which all points are that share a Morton cell of the whole cloud.
     pub cell: f64,
+    /// Nodes that were read last: neighbors of points that are looked at one by one are in the same few.
+    held: Cache<Columns>,
+}
+
+/// What is looked at of a node's points.
+#[derive(Debug)]
+struct Columns {
+    positions: Vec<DVec3>,
+    normals: Option<Vec<Vec3>>,
+}
+
+impl Columns {
+    fn bytes(&self) -> u64 {
+        (size_of_val(&*self.positions) + self.normals.as_ref().map_or(0, |normals| size_of_val(&**normals))) as u64
+    }
 }
 
 /// Some points of a store.
@@ -55,11 +71,12 @@ impl SpaceRegion {
 }
 
 impl RegionStore {
-    pub fn new(octree: Octree) -> Self {
+    /// Looks at a store, of which nodes are held in so many bytes of memory.
+    pub fn new(octree: Octree, memory: u64) -> Self {
         let bounds = octree.summary().bounds;
         // The diagonal of a cube, and what is rounded.
         let cell = 1.75 * morton::cell_side(&bounds);
-        Self { octree, bounds, cell }
+        Self { octree, bounds, cell, held: Cache::new(memory, Columns::bytes) }
     }
 
     /// Returns the points of a part of space, in the order of the file's nodes.
@@ -81,12 +98,17 @@ impl RegionStore {
     }
 
     fn part(&self, node: usize, shape: &SpaceRegion) -> Result<Local, Error> {
-        let Piece { cloud, .. } = self.octree.read(node)?;
-        let inside: Vec<usize> = (0..cloud.len()).filter(|i| shape.holds(cloud.positions[*i])).collect();
+        let read = || -> Result<_, Error> {
+            let Cloud { positions, normals, .. } = self.octree.read(node)?.cloud;
+            Ok(Columns { positions, normals })
+        };
+        let columns = self.held.get(node, read)?;
+        let Columns { positions, normals } = &*columns;
+        let inside: Vec<usize> = (0..positions.len()).filter(|i| shape.holds(positions[*i])).collect();
         let first = self.octree.first_point(node);
         Ok(Local {
-            positions: inside.iter().map(|i| cloud.positions[*i]).collect(),
-            normals: cloud.normals.map(|normals| inside.iter().map(|i| normals[*i]).collect()),
+            positions: inside.iter().map(|i| positions[*i]).collect(),
+            normals: normals.as_ref().map(|normals| inside.iter().map(|i| normals[*i]).collect()),
             places: inside.iter().map(|i| first + *i as u64).collect(),
         })
     }
