@@ -20,7 +20,7 @@ pub(super) struct RegionStore {
     held: Cache<Columns>,
 }
 
-/// What is looked at of a node's points.
+/// Columns of a node's points.
 #[derive(Debug)]
 struct Columns {
     positions: Vec<DVec3>,
