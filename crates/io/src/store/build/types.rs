@@ -182,8 +182,14 @@ const PART_BITS: u32 = 10;
 /// below.
 fn firsts(linear: &[f32]) -> &'static [u16] {
     static FIRSTS: OnceLock<Vec<u16>> = OnceLock::new();
-    let first = |part: u32| linear.partition_point(|value| value.to_bits() < part << PART_BITS) as u16;
-    FIRSTS.get_or_init(|| (0..=1.0_f32.to_bits() >> PART_BITS).map(first).collect())
+    FIRSTS.get_or_init(|| {
+        let mut at = 0;
+        let mut first = |part: u32| {
+            at += linear[at..].iter().take_while(|value| value.to_bits() < part << PART_BITS).count();
+            at as u16
+        };
+        (0..=1.0_f32.to_bits() >> PART_BITS).map(&mut first).collect()
+    })
 }
 
 /// Returns the 16-bit sRGB number whose linear value this is, to the bit.
