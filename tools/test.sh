@@ -73,16 +73,17 @@ binaries() {
     done
 }
 
-# Suites that use the device all the time, in the order in which they run.
-device_suites=(gpu lab cli)
+# Suites that use the device all the time. One at a time keeps no more than a core and a half busy.
+device_suites=(gpu cli)
 # Suites that run beside them: on the host alone, with small pictures, or waiting for windows most of the time. Units
 # and examples are among them. `cargo test` without any target would build all examples, which clippy does faster.
+# `lab` is the last: it uses the device, too, and takes as long as all others.
 units=(--lib --example drivers --example gpu-shape --example study)
 other_suites=()
 for name in $(binaries | sort -u); do
-    if [[ " ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
+    if [[ " lab ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
 done
-doc=true
+doc=true lab=true
 
 # Picks from both lists what PARTS names.
 parts=" ${PARTS:-lints suites programs} "
@@ -98,6 +99,7 @@ if ! has suites; then
     done
     other_suites=("${picked[@]}")
     if ! has host; then units=() doc=false; fi
+    if ! has lab; then lab=false; fi
 fi
 
 # Tests of one kind, all of them even if one fails.
@@ -135,24 +137,21 @@ run_others() {
     local status=0
     if ((${#others[@]} > 0)); then tests "${others[@]}" || status=1; fi
     if $doc; then tests --doc || status=1; fi
-    return $status
-}
-run_devices() {
-    local name status=0 threadless=()
-    for name in "${device_suites[@]}"; do if [[ $name != lab ]]; then threadless+=(--test "$name"); fi; done
-    if ((${#threadless[@]} > 0)); then tests "${threadless[@]}" || status=1; fi
     # Sweeps of determinism look for what depends on the order of workgroups: with threads.
-    if [[ " ${device_suites[*]} " == *" lab "* ]]; then (unset LP_NUM_THREADS && tests --test lab) || status=1; fi
+    if $lab; then (unset LP_NUM_THREADS && tests --test lab) || status=1; fi
     return $status
 }
+run_devices() { if ((${#devices[@]} > 0)); then tests "${devices[@]}"; fi; }
 suites() {
     local beside="${other_suites[*]}"
     if $doc; then beside+=" units documentation"; fi
+    local last=()
+    if $lab; then beside+=" lab" last=(--test lab); fi
     others=("${units[@]}")
     if ((${#other_suites[@]} > 0)); then mapfile -t -O ${#others[@]} others < <(names "${other_suites[@]}"); fi
     if ((${#device_suites[@]} > 0)); then mapfile -t devices < <(names "${device_suites[@]}"); fi
     step "building the tests"
-    cargo test "${workspace[@]}" --no-run "${others[@]}" "${devices[@]}"
+    cargo test "${workspace[@]}" --no-run "${others[@]}" "${devices[@]}" "${last[@]}"
     both "$beside" run_others "${device_suites[*]}" run_devices
 }
 
@@ -180,7 +179,7 @@ if has lints; then
     step "the book"
     tools/book.sh
 fi
-if ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi
+if $lab || ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi
 if has programs; then
     step "building the programs"
     cargo build "${workspace[@]}" --bins --example gpu-shape
