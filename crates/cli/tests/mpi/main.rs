@@ -83,19 +83,24 @@ fn assert_done(output: &Output, what: &str) {
     assert!(output.status.success(), "{what}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// Numbers of ranks that render the method at a place in [`METHODS`]: three, and one of the others in turn.
+fn counts(place: usize) -> [usize; 2] {
+    [3, [1, 2, 4][place % 3]]
+}
+
 #[test]
 fn every_method_has_the_same_bytes_from_any_number_of_ranks() {
     let folder = folder();
     let cloud = cloud(&folder);
     let mut differ = Vec::new();
-    for method in METHODS {
+    for (place, method) in METHODS.iter().enumerate() {
         let asked = |name: &str| {
             ["render", cloud, "--method", method, "--opacity", "0.4", "--size", "96x80", "--aov", "-q", "-o", name]
                 .map(str::to_owned)
         };
         let one = asked("one.exr");
         assert_done(&alone(&folder, &one.each_ref().map(String::as_str)), method);
-        for count in 1..=4 {
+        for count in counts(place) {
             let name = format!("{count}.exr");
             let args = asked(&name);
             let output = ranks(&folder, count, &args.each_ref().map(String::as_str)).output().expect("mpirun runs");
