@@ -10,8 +10,8 @@ struct Coverage {
     rho: f32,
 }
 
-// Numbers of `view` that a flat splat's coverage needs. They are read once, outside all branches: drivers merge no loads
-// that stand in branches, and move none out of them.
+// Numbers of `view` that a flat splat's coverage needs. They are read once, outside all branches: drivers merge no
+// loads that stand in branches, and move none out of them.
 struct Lens {
     // Columns and rows of the whole image.
     size: vec2<u32>,
