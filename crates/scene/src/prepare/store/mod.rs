@@ -37,7 +37,7 @@ const BYTES_OF_POINT: u64 = 300;
 /// See [`BYTES_OF_POINT`].
 const BYTES_OF_NEIGHBOR: u64 = 4;
 
-/// Part of memory for nodes that are held, as its denominator.
+/// Share of the memory that holds nodes: one in this many.
 const HELD: u64 = 8;
 
 /// Reason why a store can't be prepared.

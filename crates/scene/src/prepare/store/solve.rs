@@ -16,9 +16,9 @@ use pellucid_io as io;
 /// Distances around a region that are searched at first and at last, as a share of its side.
 const REACH: [f64; 2] = [0.125, 0.5];
 
-/// Points that are found one by one sooner than with more around their region, at most; and as a share of the region's.
+/// Largest number of points that are found one by one sooner than with more around their region.
 const FEW: usize = 1000;
-/// See [`FEW`].
+/// Largest share of a region's points of which the same holds: one in this many.
 const FEW_OF: usize = 8;
 
 /// Widens distances by what is rounded.
