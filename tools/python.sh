@@ -3,8 +3,9 @@
 # runs the tests, mypy, stubtest and ruff. Arguments go to pytest. The wheel is in target/wheels; it is installed into
 # an environment with nothing else as well, where README's lines must run.
 #
-#   tools/python.sh --install    builds and installs, and tests nothing
-#   tools/python.sh --wheel      builds the wheel for all Linux distributions (manylinux), and checks its size
+#   tools/python.sh --environment   makes the environment alone
+#   tools/python.sh --install       builds and installs, and tests nothing
+#   tools/python.sh --wheel         builds the wheel for all Linux distributions (manylinux), and checks its size
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,9 +18,10 @@ ziglang=ziglang==0.17.1
 environment=$PWD/target/python
 mode=test
 case ${1:-} in
+    --environment) mode=environment; shift ;;
     --install) mode=install; shift ;;
     --wheel) mode=wheel; shift ;;
-    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 
 # Packages that Debian leaves out of python3 and of a system without a desktop: environments, and libraries of
@@ -29,7 +31,7 @@ install_packages() {
     libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
     command -v python3 >/dev/null || packages+=(python3)
     python3 -c "import ensurepip, venv" 2>/dev/null || packages+=(python3-venv)
-    if [[ $mode == test && $(uname -s) == Linux ]]; then
+    if [[ $mode == test || $mode == environment ]] && [[ $(uname -s) == Linux ]]; then
         local library package
         while read -r library package; do
             if [[ $libraries != *"$library"* ]]; then packages+=("$package"); fi
@@ -78,6 +80,7 @@ build_wheel() {
 
 install_packages
 make_environment
+if [[ $mode == environment ]]; then exit 0; fi
 if [[ $mode == wheel ]]; then
     "$environment/bin/pip" install -q --disable-pip-version-check --only-binary :all: "$ziglang"
     build_wheel --zig --compatibility manylinux_2_17

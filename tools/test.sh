@@ -38,8 +38,8 @@ mkdir -p "$PELLUCID_CACHE_DIR" "$MESA_SHADER_CACHE_DIR"
 # lavapipe draws with as many threads as there are cores. Where tests run beside each other, its threads wait for each
 # other; without them the suites take a quarter less of the CPU.
 export LP_NUM_THREADS="${LP_NUM_THREADS:-0}"
-# What is built for the first time has nothing to be incremental to.
-if $in_ci || [[ ! -d $target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
+# CI builds everything once, and reads no line numbers in a debugger.
+if $in_ci; then export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false; fi
 
 # Arguments may name targets of their own.
 if (($# > 0)); then exec cargo test --locked --workspace "$@"; fi
@@ -106,29 +106,41 @@ fi
 tests() { cargo test "${workspace[@]}" --no-fail-fast "$@" -- "${run[@]}"; }
 names() { printf -- '--test\n%s\n' "$@"; }
 
-# both NAME FUNCTION NAME FUNCTION: runs the first function in the background, with its output in a file that is printed
-# at the end, and the second one beside it.
-both() {
-    local log status=0 other
-    step "$3; beside it $1"
+# start NAME FUNCTION: runs the function in the background, in a group of its own, which ends with this script.
+start() {
+    beside=$1
     log=$(mktemp)
-    # A group of its own, which ends with this script.
     set -m
     "$2" >"$log" 2>&1 </dev/null &
     other=$!
     set +m
     # shellcheck disable=SC2064
     trap "kill -- -$other 2>/dev/null || true; rm -f '$log'" EXIT
-    "$4" || status=1
+}
+
+# finish [STATUS]: waits for what was started, prints what it said, and names what failed of it at the end. Fails if it
+# failed, or with the status of what ran beside it.
+finish() {
+    local status=${1:-0}
     wait "$other" || status=1
-    step "$1"
+    trap - EXIT
+    step "$beside"
     cat "$log"
     if ((status != 0)); then
         echo "error: failed:" >&2
         grep -hE '^test .* FAILED$|^error: ' "$log" >&2 || true
     fi
     rm -f "$log"
-    return $status
+    return "$status"
+}
+
+# both NAME FUNCTION NAME FUNCTION: runs the first function in the background, and the second one beside it.
+both() {
+    local status=0
+    step "$3; beside it $1"
+    start "$1" "$2"
+    "$4" || status=1
+    finish "$status"
 }
 
 # Suites on the host and on the device, all of them even if one fails.
@@ -174,11 +186,15 @@ if ! $in_ci; then
     exit
 fi
 
+# Python's packages take two minutes, most of them waiting for the network and the disk.
+python_environment() { tools/python.sh --environment; }
+if has programs; then start "Python's environment" python_environment; fi
 if has lints; then
     tools/check.sh --lints
     step "the book"
     tools/book.sh
 fi
+if has programs; then finish; fi
 if $lab || ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi
 if has programs; then
     step "building the programs"
