@@ -38,7 +38,7 @@ mkdir -p "$PELLUCID_CACHE_DIR" "$MESA_SHADER_CACHE_DIR"
 # lavapipe draws with as many threads as there are cores. Where tests run beside each other, its threads wait for each
 # other; without them the suites take a quarter less of the CPU.
 export LP_NUM_THREADS="${LP_NUM_THREADS:-0}"
-# CI builds everything once, and reads no line numbers in a debugger.
+# CI builds everything once, so that nothing is incremental. Panics name their lines without debug information.
 if $in_ci; then export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false; fi
 
 # Arguments may name targets of their own.
@@ -186,7 +186,7 @@ if ! $in_ci; then
     exit
 fi
 
-# Python's packages take two minutes, most of them waiting for the network and the disk.
+# Python's packages are fetched and unpacked on one core, of which lints and builds leave some idle.
 python_environment() { tools/python.sh --environment; }
 if has programs; then start "Python's environment" python_environment; fi
 if has lints; then
