@@ -5,6 +5,7 @@ use pellucid_engine::{Result, plan};
 use pellucid_session::{FrameRequest, Prepared, Request, Session};
 use serde_json::json;
 
+use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
 use super::options::DeviceArgs;
@@ -20,11 +21,18 @@ pub struct PlanArgs {
     pub json: bool,
 }
 
+impl PlanArgs {
+    /// Reads the inputs.
+    fn prepare(&self, progress: &Bar) -> Result<Prepared> {
+        let frame = FrameRequest { memory_budget: self.device.budget(), counts: true, ..FrameRequest::default() };
+        let request = Request { frame, ..self.input.request(None, progress)? };
+        Prepared::new(request, progress, progress)
+    }
+}
+
 pub fn run(args: PlanArgs, console: Console) -> Result<()> {
     let progress = console.progress();
-    let frame = FrameRequest { memory_budget: args.device.budget(), counts: true, ..FrameRequest::default() };
-    let request = Request { frame, ..args.input.request(None, &progress)? };
-    let prepared = Prepared::new(request, &progress, &progress)?;
+    let prepared = args.prepare(&progress)?;
     let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;
     session.warn(&progress);
     let steps = session.plan()?;
@@ -35,3 +43,6 @@ pub fn run(args: PlanArgs, console: Console) -> Result<()> {
     let line = |s: &plan::Step| format!("{:<22} {:<3} {}\n", s.name, if s.on { "on" } else { "off" }, s.reason);
     console.print(&steps.iter().map(line).collect::<String>())
 }
+
+#[cfg(test)]
+mod tests;

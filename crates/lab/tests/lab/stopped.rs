@@ -6,48 +6,22 @@ use std::collections::HashSet;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_gpu::{self as gpu, Device};
 use pellucid_lab::check::{self, Lack, MethodScene};
-use pellucid_scene::{Kernel, Method};
+use pellucid_scene::Kernel;
 use pellucid_testing::{is_llvmpipe, with_device};
 
 use crate::by_halves;
 
 /// Frames that are stopped on llvmpipe, for all subjects together.
-const STOPS: u64 = 103;
+const STOPS: u64 = 132;
 
-/// The buffers that a frame uses, and with shadows. A stopped frame leaves nothing behind but what lies in buffers, so
-/// that one subject for each does.
-fn buffers(frame: &Frame) -> (&'static str, bool) {
-    let is_of = |kernel| frame.method.discs().is_some_and(|discs| discs.gaussians.kernel == kernel);
-    let of_discs = |lists| if is_of(Kernel::Ellipsoid) { "ellipsoids" } else { lists };
-    let buffers = match frame.method {
-        Method::Points => "points",
-        Method::Squares(_) | Method::Circles(_) | Method::Sphere(_) => "nearest splats",
-        Method::Paraboloid(_) | Method::Cone(_) => "splats with relief",
-        Method::ABuffer(_) => of_discs("lists"),
-        Method::LinkedList(_) => of_discs("linked lists"),
-        Method::Sorted(_) => "tiles in order",
-        Method::Peel(_) => "layers",
-        Method::Stochastic(_) => "samples",
-        Method::Hybrid(_) => "core and tail",
-        Method::Mlab(_) => "nodes",
-        Method::Moments(_) => "moments",
-        Method::Wavelet(_) => "wavelets",
-        Method::Weighted(_) | Method::Average(_) | Method::Unsorted(_) => "sums",
-        Method::Hqs(_) | Method::Splats(_) => "three passes",
-        Method::SoftBase(_) => "soft spheres",
-        Method::SoftConcentric(_) => "shells",
-        Method::SoftExpress(_) => "soft discs",
-        Method::OneLayer(_) => "one layer",
-        Method::ImageSpace(_) => "filtered image",
-        Method::PeelLayers(_) => "filtered layers",
-        Method::Spbr(_) | Method::SpbrSimplified(_) => "ensembles",
-    };
-    (buffers, frame.shadows.is_some())
-}
-
-/// The first subject for each set of buffers.
+/// The first subject of each method, and the first with what has buffers of its own beside those of its method. A
+/// stopped frame leaves nothing behind but what lies in buffers.
 fn subjects() -> Vec<MethodScene> {
     let mut seen = HashSet::new();
+    let buffers = |Frame { method, shadows, .. }: &Frame| {
+        let kernel = method.discs().map(|discs| discs.gaussians.kernel);
+        (method.name(), kernel == Some(Kernel::Ellipsoid), shadows.is_some())
+    };
     check::subjects().into_iter().filter(|subject| seen.insert(buffers(&subject.frame))).collect()
 }
 
