@@ -202,6 +202,7 @@ fn share_of_disc(t: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "long: 3,000 images of lights"]
 fn half_a_disc_of_light_is_half_the_light() {
     with_device(|device| {
         let size = [64, 9];
