@@ -252,8 +252,19 @@ fn a_view_of_nothing_is_planned_as_it_runs() {
             away(&["--opacity", opacity]);
         }
         for method in [
-            "points", "peel", "hybrid", "mlab", "moments", "wavelet", "weighted", "average", "unsorted", "hqs", "splats",
-            "one-layer", "soft-express",
+            "points",
+            "peel",
+            "hybrid",
+            "mlab",
+            "moments",
+            "wavelet",
+            "weighted",
+            "average",
+            "unsorted",
+            "hqs",
+            "splats",
+            "one-layer",
+            "soft-express",
         ] {
             away(&["--method", method]);
         }

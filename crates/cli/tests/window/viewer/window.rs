@@ -45,15 +45,24 @@ impl Window {
     /// The next line, from what was not looked at yet, that has this in it.
     #[track_caller]
     pub fn wait_for(&mut self, part: &str) -> String {
-        let until = Instant::now() + PATIENCE;
+        let heard = self.hear_within(part, PATIENCE);
+        heard.unwrap_or_else(|| panic!("no {part:?} in {:#?}", self.lines.0.lock().unwrap()))
+    }
+
+    /// The next line, as [`Self::wait_for`]; `None` if there is none so soon.
+    #[track_caller]
+    pub fn hear_within(&mut self, part: &str, patience: Duration) -> Option<String> {
+        let until = Instant::now() + patience;
         let mut lines = self.lines.0.lock().unwrap();
         loop {
             if let Some(at) = lines[self.seen..].iter().position(|line| line.contains(part)) {
                 self.seen += at + 1;
-                return lines[self.seen - 1].clone();
+                return Some(lines[self.seen - 1].clone());
             }
             let left = until.saturating_duration_since(Instant::now());
-            assert!(!left.is_zero(), "no {part:?} in {lines:#?}");
+            if left.is_zero() {
+                return None;
+            }
             lines = self.lines.1.wait_timeout(lines, left.min(Duration::from_millis(200))).unwrap().0;
             if let Some(status) = self.process.try_wait().unwrap() {
                 assert!(lines.iter().any(|line| line.contains(part)), "ended with {status}: {lines:#?}");
