@@ -27,8 +27,8 @@ fn shoot(display: &Display, window: &mut Window, folder: &Path) -> Vec<u8> {
     std::fs::read(folder.join(format!("{name}.png"))).unwrap()
 }
 
-/// Opens a dialog, types into it key by key, as fast as a hand, and waits for what the window then says. A dialog that a
-/// busy machine draws more slowly than that misses what was typed, and is opened again.
+/// Opens a dialog, types into it key by key, as fast as a hand, and waits for what the window then says. A dialog that
+/// a busy machine draws more slowly than that misses what was typed, and is opened again.
 #[track_caller]
 fn choose(display: &Display, window: &mut Window, opened: &str, told: &[&str], said: &str) {
     for _ in 0..4 {
