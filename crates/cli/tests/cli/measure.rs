@@ -299,7 +299,7 @@ fn plan_and_profile_name_the_same_passes() {
     }
     let folder = folder();
     let tori = builtin(&folder, "tori", &["points=2000"]);
-    // Every method and road that a frame may take is in crates/cli/src/commands/plan/tests.rs, on one device.
+    // The other roads that a frame may take are in crates/cli/src/commands/plan/tests.rs, on one device.
     let chosen = assert_planned(&folder, &[&tori, "--size", "40x30"]);
     assert!(chosen.iter().any(|pass| pass == "abuffer/resolve-8"), "{chosen:?}");
     let cut = assert_planned(&folder, &["-q", &tori, "--memory-budget", "400KiB", "--method", "weighted"]);

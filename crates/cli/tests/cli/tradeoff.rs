@@ -277,7 +277,7 @@ fn ensembles_of_planes_against_alpha_blending() {
 }
 
 #[test]
-#[ignore = "long: a comparison of some hundred settings"]
+#[ignore = "long: a comparison of all opaque methods"]
 fn opaque_points_against_the_surfaces_they_stand_for() {
     if !has_device() {
         return;

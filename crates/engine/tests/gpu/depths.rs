@@ -141,7 +141,7 @@ fn depths_by_hand() {
 }
 
 #[test]
-#[ignore = "long: every method and shape in three budgets"]
+#[ignore = "long: every exact method and shape, with up to 1800 layers"]
 fn every_exact_method_and_every_budget_have_the_same_bytes() {
     with_device(|device| {
         let (points, size) = (scene(&layers()), [48, 34]);

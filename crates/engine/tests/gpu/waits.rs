@@ -138,16 +138,20 @@ fn a_margin_that_the_budget_lacks_is_done_without() {
         ] {
             let (points, plain) = (scene(&points), frame(perspective(), size, method));
             let least = least_budget(device, &points, &plain);
-            let [tight, roomy] = [least, 2 * least].map(|budget| six(device, &points, &plain, budget));
+            let budgets = [least, least + least / 16, least + least / 4, least * 2];
+            let all = budgets.map(|budget| six(device, &points, &plain, budget));
+            let [tight, .., roomy] = &all;
             let name = method.name();
-            for (number, frame) in tight.iter().chain(&roomy).enumerate() {
-                assert!(bytes(frame) == bytes(&tight[0]), "{name}, frame {number}: other bytes");
+            for (frame, budget) in
+                all.iter().zip(budgets).flat_map(|(frames, budget)| frames.iter().map(move |f| (f, budget)))
+            {
+                assert!(bytes(frame) == bytes(&tight[0]), "{name}, {budget} bytes: other bytes");
             }
-            let [waits, roomy_waits] = [&tight, &roomy].map(|frames| frames.each_ref().map(|f| f.profile.waits));
+            let [waits, roomy_waits] = [tight, roomy].map(|frames| frames.each_ref().map(|f| f.profile.waits));
             // Frames that wait have no margin, and take what the first one takes.
             assert!(waits.iter().all(|n| *n >= waits[0]), "{name}, {least} bytes: {waits:?} waits");
             let peaks = tight.each_ref().map(|frame| frame.facts.peak_device_bytes);
-            assert!(peaks[2..].iter().all(|peak| *peak == peaks[2]), "{name}, {least} bytes: {peaks:?}");
+            assert!(peaks.iter().all(|peak| *peak <= peaks[0]), "{name}, {least} bytes: {peaks:?}");
             // One that took long, as by compiling, lets the next one wait.
             let fewest = roomy_waits[2..].iter().min();
             assert!(fewest < Some(&waits[0]), "{name}, {least} bytes twice: {roomy_waits:?} waits");

@@ -1,4 +1,4 @@
-//! The passes that a plan has on are those that run: by every road that a frame may take, on one device.
+//! The passes that a plan has on are those that run: by many of the roads that a frame may take, on one device.
 
 use std::fs;
 use std::path::Path;
@@ -43,6 +43,14 @@ impl<'a> Stage<'a> {
         crate::run_from(args.map(Into::into), Streams::Process);
         let file = format!("{folder}/scene.toml");
         assert!(Path::new(&file).exists());
+        file
+    }
+
+    /// Writes `tori`, no larger than the budgets below need to cut it into regions; its scene file.
+    fn tori(&self) -> String {
+        let file = self.builtin("tori", &["points=2000"]);
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(&file, text.replace("[1024, 1024]", "[512, 512]")).unwrap();
         file
     }
 
@@ -92,7 +100,7 @@ fn has(passes: &[&str], name: &str) -> bool {
 fn lists_and_layers_are_planned_as_they_run() {
     with_device(|device| {
         let stage = Stage::new(device);
-        let tori = stage.builtin("tori", &["points=2000"]);
+        let tori = stage.tori();
         let stack = stage.builtin("stack", &["layers=300", "size=8"]);
         let short = stage.planned(&[&tori, "--size", "40x30"]);
         assert!(has(&short, "abuffer/resolve-8") && !has(&short, "abuffer/merge") && !has(&short, "opaque/resolve"));
@@ -137,7 +145,7 @@ fn lists_and_layers_are_planned_as_they_run() {
 fn what_the_rasterizer_draws_is_planned_as_it_runs() {
     with_device(|device| {
         let stage = Stage::new(device);
-        let (tori, row) = (stage.builtin("tori", &["points=2000"]), stage.row(200, 1.0));
+        let (tori, row) = (stage.tori(), stage.row(200, 1.0));
         // Large splats drawn by the rasterizer need no tiles.
         if device.info().fragment_atomics {
             let hardware = ["--method", "abuffer", "--set", "method.raster=hardware"];
@@ -158,10 +166,7 @@ fn what_the_rasterizer_draws_is_planned_as_it_runs() {
 fn tiles_of_splats_are_planned_as_they_run() {
     with_device(|device| {
         let stage = Stage::new(device);
-        let tori = stage.builtin("tori", &["points=2000"]);
-        // No larger than the budget below needs to cut it into regions.
-        let text = fs::read_to_string(&tori).unwrap();
-        fs::write(&tori, text.replace("[1024, 1024]", "[512, 512]")).unwrap();
+        let tori = stage.tori();
         let (stack, row) = (stage.builtin("stack", &["layers=300", "size=8"]), stage.row(200, 1.0));
         let sorted = stage.planned(&[&tori, "--size", "40x30", "--method", "sorted"]);
         assert!(
@@ -202,9 +207,7 @@ fn tiles_of_splats_are_planned_as_they_run() {
 fn soft_points_and_layers_of_them_are_planned_as_they_run() {
     with_device(|device| {
         let stage = Stage::new(device);
-        let tori = stage.builtin("tori", &["points=2000"]);
-        let text = fs::read_to_string(&tori).unwrap();
-        fs::write(&tori, text.replace("[1024, 1024]", "[512, 512]")).unwrap();
+        let tori = stage.tori();
         // Spheres alone, before solid points, without any; one kernel and several, long lists, regions.
         let axis = "cloud.0.field=distance-to-axis";
         for (method, threshold) in
@@ -278,7 +281,7 @@ fn a_view_of_nothing_is_planned_as_it_runs() {
 fn points_are_planned_without_splats() {
     with_device(|device| {
         let stage = Stage::new(device);
-        let tori = stage.builtin("tori", &["points=2000"]);
+        let tori = stage.tori();
         let opaque = stage.planned(&[&tori, "--size", "40x30", "--method", "points"]);
         assert!(has(&opaque, "points/resolve") && !has(&opaque, "project/splats"), "{opaque:?}");
         assert!(!opaque.iter().any(|pass| pass.starts_with("abuffer")), "{opaque:?}");

@@ -36,7 +36,7 @@ fn render(folder: &TempDir, method: &str, budget: Option<&str>) -> Result<Vec<u8
 }
 
 #[test]
-#[ignore = "long: every method in three budgets"]
+#[ignore = "long: every method in up to three budgets"]
 fn a_budget_is_kept_or_the_error_names_one_that_will_do() {
     if !has_device() {
         return;
