@@ -38,8 +38,8 @@ mkdir -p "$PELLUCID_CACHE_DIR" "$MESA_SHADER_CACHE_DIR"
 # lavapipe draws with as many threads as there are cores. Where tests run beside each other, its threads wait for each
 # other; without them the suites take a quarter less of the CPU.
 export LP_NUM_THREADS="${LP_NUM_THREADS:-0}"
-# CI builds everything once, so that nothing is incremental. Panics name their lines without debug information.
-if $in_ci; then export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false; fi
+# CI builds everything once, so that nothing is incremental.
+if $in_ci; then export CARGO_INCREMENTAL=0; fi
 
 # Arguments may name targets of their own.
 if (($# > 0)); then exec cargo test --locked --workspace "$@"; fi

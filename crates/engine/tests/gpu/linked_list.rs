@@ -83,7 +83,7 @@ fn ties_and_shuffled_input_change_no_byte() {
 /// 200 discs over the whole image, and 2000 points more in one pixel.
 fn stack(size: [u32; 2]) -> Points {
     let disc = |i: u32| P {
-        position: at_pixel(64.0, 48.0, 1.0 + f64::from(i)),
+        position: at_pixel(f64::from(size[0]) / 2.0, f64::from(size[1]) / 2.0, 1.0 + f64::from(i)),
         color: Vec3::new((i % 2) as f32, (i % 5) as f32 / 4.0, 1.0),
         opacity: 0.02,
         radius: 1.0 + size[0].max(size[1]) as f32,
@@ -96,14 +96,14 @@ fn stack(size: [u32; 2]) -> Points {
 #[test]
 fn bands_and_windows_and_the_way_of_sorting_change_no_byte() {
     with_device(|device| {
-        let size = [96, 72];
+        let size = [64, 48];
         let points = stack(size);
         let wanted =
             bits(&render(device, &points, &frame(pixel_camera(size), size, Method::ABuffer(Discs::default()))));
         for long_lists in [LongLists::Merge, LongLists::InPlace] {
             let method = Method::LinkedList(Discs { long_lists, ..Discs::default() });
             let mut frame = frame(pixel_camera(size), size, method);
-            for (budget, bands) in [(None, 1), (Some(4u64 << 20), 10), (Some(512 << 10), 80), (Some(256 << 10), 150)] {
+            for (budget, bands) in [(None, 1), (Some(4u64 << 20), 4), (Some(512 << 10), 35), (Some(256 << 10), 66)] {
                 frame.memory_budget = budget;
                 let cut = rendered(device, &points, &frame);
                 assert!(cut.facts.bands >= bands, "{:?}", cut.facts);
@@ -128,10 +128,10 @@ fn bands_and_windows_and_the_way_of_sorting_change_no_byte() {
 }
 
 #[test]
-#[ignore = "long: 50 million fragments, four times"]
+#[ignore = "long: 25 million fragments, four times"]
 fn whichever_method_ran_before_the_budget_holds() {
     with_new_device(|device| {
-        let size = [512, 512];
+        let size = [352, 352];
         let points = stack(size);
         let budget = 64u64 << 20;
         let mut renderer = Renderer::new(device).expect("a renderer");
@@ -142,7 +142,7 @@ fn whichever_method_ran_before_the_budget_holds() {
             let facts = renderer.render(&mut cloud, &frame).expect("renders").facts;
             // Image and depth, on the device and on the host.
             let allowed = budget + cloud.bytes() + u64::from(size[0] * size[1]) * 40;
-            assert!(facts.bands > 5 && facts.peak_device_bytes <= allowed, "{method:?}: {facts:?}, {allowed}");
+            assert!(facts.bands > 2 && facts.peak_device_bytes <= allowed, "{method:?}: {facts:?}, {allowed}");
             let kept = device.live_allocations();
             let has = |name: &str| kept.iter().any(|(buffer, _)| buffer == name);
             assert_eq!(

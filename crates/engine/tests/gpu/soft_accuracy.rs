@@ -317,7 +317,7 @@ fn a_soup_of_two_hundred() {
 #[test]
 fn a_camera_inside_of_spheres() {
     with_device(|device| {
-        let size = [32, 24];
+        let size = [24, 18];
         let eye = DVec3::new(0.1, -0.2, 0.3);
         let target = DVec3::new(-1.0, 0.5, -1.0);
         let one = S { position: DVec3::new(0.0, 0.0, 0.0), radius: 0.8, color: Vec3::ONE, field: 1.0 };
@@ -427,7 +427,7 @@ fn modulated_spheres() {
             sphere.field = 0.3 + 0.7 * (i as f32 + 0.5) / 200.0;
         }
         let cases: Vec<Case> =
-            cameras().into_iter().map(|(name, camera)| Case::new(name, &spheres, camera, [64, 48])).collect();
+            cameras().into_iter().map(|(name, camera)| Case::new(name, &spheres, camera, [48, 36])).collect();
         let settings = |density| Soft { threshold: 0.3, modulation: Some(0.8), ..soft(density) };
         check_with(device, &cases, &densities(), settings);
     });

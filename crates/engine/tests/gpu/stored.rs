@@ -19,7 +19,7 @@ use rand::RngExt;
 /// Nodes of few points, and less memory than a cloud takes.
 const TIGHT: Settings = Settings { node_points: 1000, host_memory: 1 << 20 };
 /// Bytes on the device: some thousands of points at a time.
-const DEVICE: u64 = 5 << 20;
+const DEVICE: u64 = 5 << 19;
 /// Bytes on the device with room for images of lights.
 const ROOMY: u64 = 8 << 20;
 /// Bytes of nodes that are kept.
@@ -145,7 +145,7 @@ fn assert_same_of(text: &str, about: &str, methods: impl Iterator<Item = Method>
 #[test]
 fn every_method_renders_a_store_with_the_bytes_of_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "one", cloud(1, 20_000));
+    let path = store(folder.path(), "one", cloud(1, 10_000));
     let text = format!("[image]\nsize = [96, 72]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
     assert_same(&text, "one store");
 }
@@ -186,7 +186,7 @@ const EXACT: [&str; 3] = ["abuffer", "sorted", "stochastic"];
 #[test]
 fn stores_of_splats_have_the_bytes_of_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "one", splats(1, 20_000, 2));
+    let path = store(folder.path(), "one", splats(1, 10_000, 2));
     let text = format!("[image]\nsize = [96, 72]\n[[cloud]]\npath = '{}'\n", path.display());
     assert_same_of(&text, "splats", Method::all().into_iter().filter(|method| method.discs().is_some()));
 }
@@ -194,7 +194,7 @@ fn stores_of_splats_have_the_bytes_of_memory() {
 #[test]
 fn splats_reach_as_far_as_their_least_opacity_and_kernel_say() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "one", splats(2, 14_000, 1));
+    let path = store(folder.path(), "one", splats(2, 8_000, 1));
     for settings in ["alpha_min = 1e-5\ndilation = 3.0", "kernel = 'ray'\nalpha_min = 1e-3", "order = 'distance'"] {
         for view in ["", "fov_y = 95\neye = [0.3, 0.2, -0.9]\ntarget = [0, 0, 0.2]", "ortho = true"] {
             let text = format!(
@@ -209,9 +209,9 @@ fn splats_reach_as_far_as_their_least_opacity_and_kernel_say() {
 #[test]
 fn stores_of_splats_and_of_points_share_a_scene() {
     let folder = tempfile::tempdir().unwrap();
-    let [one, two] = [(3, 12_000, 0), (4, 12_000, 3)]
+    let [one, two] = [(3, 6_000, 0), (4, 6_000, 3)]
         .map(|(seed, count, degree)| store(folder.path(), &format!("store{seed}"), splats(seed, count, degree)));
-    let points = store(folder.path(), "points", cloud(5, 8_000));
+    let points = store(folder.path(), "points", cloud(5, 4_000));
     let text = format!(
         "[image]\nsize = [96, 72]\n[[clip]]\nslab = {{ axis = 'z', min = -0.6, max = 0.9 }}\n\
          [[cloud]]\npath = '{}'\nopacity = 0.8\nscale = 0.5\ntranslate = [0.2, 0, 0.1]\n\
@@ -314,7 +314,7 @@ fn windows_are_as_large_as_their_points_let_them_be_however_large_nodes_are() {
     let (scene, whole, stored) = both(&text, &Method::Points);
     with_device(|device| {
         let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
-        let frame = Frame { memory_budget: Some(DEVICE), ..Frame::of_scene(&scene, camera, 3) };
+        let frame = Frame { memory_budget: Some(5 << 20), ..Frame::of_scene(&scene, camera, 3) };
         let image = rendered(device, &stored.arranged(), &frame).expect("a frame");
         assert!(bits(&image.image) == bits(&rendered(device, &whole, &frame).expect("a frame").image));
         // Memory has room for 7000 points of a window, and the image has 300 tiles.
@@ -327,8 +327,8 @@ fn windows_are_as_large_as_their_points_let_them_be_however_large_nodes_are() {
 #[test]
 fn several_stores_with_clips_classes_and_color_maps_have_the_bytes_of_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let [one, two] = [(1, 15_000), (2, 6_000)]
-        .map(|(seed, count)| store(folder.path(), &format!("store{seed}"), cloud(seed, count)));
+    let [one, two] =
+        [(1, 8_000), (2, 4_000)].map(|(seed, count)| store(folder.path(), &format!("store{seed}"), cloud(seed, count)));
     let text = format!(
         "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\n\
          [[clip]]\nslab = {{ axis = 'z', min = -0.15, max = 0.8 }}\n\
@@ -475,7 +475,7 @@ fn points_without_normals_are_told_of_where_they_would_count() {
 #[test]
 fn shadows_are_cast_by_all_points_of_stores() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "lit", cloud(1, 40_000));
+    let path = store(folder.path(), "lit", cloud(1, 20_000));
     // Hard and soft ones of the sun, and those of a lamp among the points, which takes six images.
     let lights = [
         ("light = [0.3, 0.2, -0.9]", "samples = 1"),
