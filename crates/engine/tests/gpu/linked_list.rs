@@ -128,10 +128,10 @@ fn bands_and_windows_and_the_way_of_sorting_change_no_byte() {
 }
 
 #[test]
-#[ignore = "long: 25 million fragments, four times"]
+#[ignore = "long: 52 million fragments, four times"]
 fn whichever_method_ran_before_the_budget_holds() {
     with_new_device(|device| {
-        let size = [352, 352];
+        let size = [512, 512];
         let points = stack(size);
         let budget = 64u64 << 20;
         let mut renderer = Renderer::new(device).expect("a renderer");
@@ -142,7 +142,7 @@ fn whichever_method_ran_before_the_budget_holds() {
             let facts = renderer.render(&mut cloud, &frame).expect("renders").facts;
             // Image and depth, on the device and on the host.
             let allowed = budget + cloud.bytes() + u64::from(size[0] * size[1]) * 40;
-            assert!(facts.bands > 2 && facts.peak_device_bytes <= allowed, "{method:?}: {facts:?}, {allowed}");
+            assert!(facts.bands > 5 && facts.peak_device_bytes <= allowed, "{method:?}: {facts:?}, {allowed}");
             let kept = device.live_allocations();
             let has = |name: &str| kept.iter().any(|(buffer, _)| buffer == name);
             assert_eq!(
