@@ -8,6 +8,7 @@
 //!
 //! No guard precedes a buffer: indices are unsigned, so a shader can't reach anything before its binding.
 
+use std::ffi::OsString;
 use std::sync::{Arc, LazyLock};
 
 use ash::vk::{self, Handle};
@@ -22,12 +23,23 @@ const WORD: u32 = 0xfade_d0c5;
 /// Guards whose words one buffer on the host takes.
 const PAGE: u64 = 32;
 
+/// Value of `PELLUCID_CHECKS`.
+static ASKED: LazyLock<Option<OsString>> = LazyLock::new(|| std::env::var_os("PELLUCID_CHECKS"));
+
+fn is_asked(value: &str) -> bool {
+    ASKED.as_ref().is_some_and(|asked| asked == value)
+}
+
 /// Returns whether the device's work is checked: guard words, counts that passes must agree on, shared memory that is
 /// never zero by chance. A debug build does so, unless `PELLUCID_CHECKS=0` asks for the work of a release build.
 pub fn checks() -> bool {
-    static WANTED: LazyLock<bool> =
-        LazyLock::new(|| std::env::var_os("PELLUCID_CHECKS").is_none_or(|value| value != "0"));
-    cfg!(debug_assertions) && *WANTED
+    cfg!(debug_assertions) && !is_asked("0")
+}
+
+/// Returns whether a submission has commands of its own for [`checks`], which bring barriers. With
+/// `PELLUCID_CHECKS=shaders` it has none, while shaders and buffers stay as they are.
+pub fn records_checks() -> bool {
+    checks() && !is_asked("shaders")
 }
 
 /// Bytes behind each buffer, and behind each bound range of one: none where nothing is checked.
@@ -60,7 +72,7 @@ pub struct Guards {
 impl Guards {
     /// A command writes to this range.
     pub fn note_write(&mut self, slice: RawSlice) {
-        if checks() {
+        if records_checks() {
             self.written.push(slice);
         }
     }
@@ -74,7 +86,7 @@ impl Guards {
         names: (&'static str, &'static str),
         slice: RawSlice,
     ) -> Result<bool, Error> {
-        if !checks() {
+        if !records_checks() {
             return Ok(false);
         }
         let (pass, binding) = names;
