@@ -350,10 +350,12 @@ const MOMENTS: [&str; 5] = ["joined", "reading", "uploading", "rendering", "brin
 #[test]
 #[cfg(unix)]
 fn a_rank_that_is_killed_at_any_moment_ends_all_and_leaves_no_file() {
-    let folder = folder();
+    let (folder, input) = (folder(), folder());
+    let cloud = input.path().join(cloud(&input));
+    let cloud = cloud.to_str().expect("a name");
     for moment in MOMENTS {
         for victim in 0..3 {
-            let args = ["render", "--size", "1920x1080", "--method", "abuffer", "-v", "-o", "killed.png"];
+            let args = ["render", cloud, "--size", "1920x1080", "--method", "abuffer", "-v", "-o", "killed.png"];
             let mut running = ranks(&folder, 3, &args).stderr(Stdio::piped()).spawn().expect("mpirun");
             let mut lines =
                 BufReader::new(running.stderr.take().expect("standard error")).lines().map_while(Result::ok);

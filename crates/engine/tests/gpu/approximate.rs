@@ -386,14 +386,14 @@ fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
 fn the_state_of_pixels_is_within_the_budget() {
     with_device(|device| {
         // Few splats over many pixels, so that what runs leave to each other takes more memory than all else.
-        let size = [300, 200];
+        let size = [150, 100];
         let points = scene(&soup(43, 2300, 2.0..3.0, 0.001..0.01, true));
         let discs = Discs { shape: DiscShape::Oriented, ..Discs::default() };
         let of = |method, memory_budget| {
             let frame = Frame { fragments: false, memory_budget, ..frame(perspective(), size, method) };
             rendered(device, &points, &frame)
         };
-        let budget = Some(8 << 20);
+        let budget = Some(2 << 20);
         assert_eq!(of(Method::Sorted(discs), budget).facts.windows, 1, "binning alone fits");
         for method in [Method::Weighted(discs), hybrid(discs, 11), mlab(discs, 4)] {
             let (whole, cut) = (of(method, None), of(method, budget));

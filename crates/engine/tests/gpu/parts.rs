@@ -252,7 +252,7 @@ fn parts_of_samples_of_the_rasteriser_are_the_whole() {
             (DiscShape::Flat, 32, true, false),
         ] {
             let discs = Discs { shape, raster: Raster::Hardware, ..Discs::default() };
-            let frame = frame(perspective(), [150, 100], stochastic(discs, samples, correction));
+            let frame = frame(perspective(), [90, 60], stochastic(discs, samples, correction));
             let frame = Frame { seed: 5, fragments, ..frame };
             let mut ranks = sampled_ranks(device, &points, &[None, Some(3_000_000)]);
             assert_eq!(ranks[1].draw(&frame, 16..32).facts.raster, "hardware");
@@ -283,8 +283,8 @@ fn parts_of_samples_where_nothing_is_are_the_whole() {
                 // By turns, so that every pair of points, samples and rasterizer is met.
                 let raster = [Raster::Compute, Raster::Auto][(i + j) % 2];
                 let discs = Discs { raster, ..Discs::default() };
-                let mut ranks = sampled_ranks(device, &scene(dots), &[None, Some(300_000)]);
-                let frame = frame(perspective(), [150, 100], stochastic(discs, samples, correction));
+                let mut ranks = sampled_ranks(device, &scene(dots), &[None, Some(100_000)]);
+                let frame = frame(perspective(), [75, 50], stochastic(discs, samples, correction));
                 compare(&mut ranks, &frame, &format!("{samples} samples, {correction}"));
                 let facts = ranks[1].draw(&frame, 0..samples.min(16)).facts;
                 println!("{samples} samples, {correction}: {} windows", facts.windows);
