@@ -84,10 +84,14 @@ for name in $(binaries | sort -u); do
     if [[ " lab ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
 done
 doc=true lab=true
+# Whether the programs are tested as well, which CI demands: Python behind `lab`, since its tests keep a core busy one at a
+# time, and the others behind the suites of the device.
+programs=false
 
 # Picks from both lists what PARTS names.
 parts=" ${PARTS:-lints suites programs} "
 has() { [[ $parts == *" $1 "* ]]; }
+if $in_ci && has programs; then programs=true; fi
 if ! has suites; then
     picked=()
     for name in "${device_suites[@]}"; do if has "$name"; then picked+=("$name"); fi; done
@@ -143,7 +147,7 @@ both() {
     finish "$status"
 }
 
-# Suites on the host and on the device, all of them even if one fails.
+# Two rows of suites and programs, all of them even if one fails.
 others=() devices=()
 run_others() {
     local status=0
@@ -151,30 +155,37 @@ run_others() {
     if $doc; then tests --doc || status=1; fi
     # Sweeps of determinism look for what depends on the order of workgroups: with threads.
     if $lab; then (unset LP_NUM_THREADS && tests --test lab) || status=1; fi
+    if $programs; then tools/python.sh || status=1; fi
     return $status
 }
-run_devices() { if ((${#devices[@]} > 0)); then tests "${devices[@]}"; fi; }
+run_devices() {
+    local status=0
+    if ((${#devices[@]} > 0)); then tests "${devices[@]}" || status=1; fi
+    if $programs; then
+        # Shaders as a release build has them.
+        PELLUCID_CHECKS=0 "$target/debug/examples/gpu-shape" --check || status=1
+        tools/barriers.sh || status=1
+        tools/mpi.sh || status=1
+    fi
+    return $status
+}
 suites() {
-    local beside="${other_suites[*]}"
+    local beside="${other_suites[*]}" first="${device_suites[*]}"
     if $doc; then beside+=" units documentation"; fi
     local last=()
     if $lab; then beside+=" lab" last=(--test lab); fi
+    if $programs; then
+        beside+=" Python" first+=" registers barriers MPI" last+=(--test mpi)
+        step "building the programs"
+        cargo build "${workspace[@]}" --bins --example gpu-shape
+        export PELLUCID_BINARY=$target/debug/pellucid
+    fi
     others=("${units[@]}")
     if ((${#other_suites[@]} > 0)); then mapfile -t -O ${#others[@]} others < <(names "${other_suites[@]}"); fi
     if ((${#device_suites[@]} > 0)); then mapfile -t devices < <(names "${device_suites[@]}"); fi
     step "building the tests"
     cargo test "${workspace[@]}" --no-run "${others[@]}" "${devices[@]}" "${last[@]}"
-    both "$beside" run_others "${device_suites[*]}" run_devices
-}
-
-# What CI demands of the programs. Python's tests run one at a time and keep a core busy; each of the others takes all
-# that are free. PELLUCID_CHECKS=0: shaders as a release build has them.
-beside_python() {
-    local status=0
-    PELLUCID_CHECKS=0 "$target/debug/examples/gpu-shape" --check || status=1
-    tools/barriers.sh || status=1
-    tools/mpi.sh || status=1
-    return $status
+    both "${beside# }" run_others "${first# }" run_devices
 }
 
 if ! $in_ci; then
@@ -195,10 +206,4 @@ if has lints; then
     tools/book.sh
 fi
 if has programs; then finish; fi
-if $lab || ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi
-if has programs; then
-    step "building the programs"
-    cargo build "${workspace[@]}" --bins --example gpu-shape
-    export PELLUCID_BINARY=$target/debug/pellucid
-    both "registers, barriers and MPI" beside_python Python tools/python.sh
-fi
+if $programs || $lab || ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi

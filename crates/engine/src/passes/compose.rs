@@ -49,9 +49,10 @@ impl Cut {
         ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !63).min(1 << 30)
     }
 
-    /// Adds the constants of stages that reach splats by their index.
+    /// Adds the constants of stages that reach splats by their index. One part is one variant, whatever its length.
     pub fn apply_to(self, variant: Variant) -> Variant {
-        variant.with("PARTS", self.parts).with("PART_LENGTH", self.len)
+        let len = if self.parts == 1 { Self::WHOLE.len } else { self.len };
+        variant.with("PARTS", self.parts).with("PART_LENGTH", len)
     }
 
     /// The parts of the buffer of tilts.

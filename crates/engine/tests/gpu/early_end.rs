@@ -159,7 +159,7 @@ fn an_end_holds_in_all_later_runs() {
         for (strong, count) in [(1000, 5000), (2500, 5000), (4500, 5000), (100, 700), (300, 700)] {
             let points = broken(strong, count);
             let discs = ending(0.25);
-            let frame = |method| Frame { depths: false, ..asked(camera(), [16, 16], method) };
+            let frame = |method| Frame { depths: false, ..asked(camera(), [8, 8], method) };
             let exact = wanted(&points, &frame(Method::ABuffer(discs)), &discs);
             for method in methods(discs) {
                 // Of peeling the shorter lists are enough.

@@ -229,7 +229,7 @@ fn runs(rendered: &Rendered, name: &str) -> usize {
 #[test]
 fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
     with_device(|device| {
-        let size = [160, 96];
+        let size = [96, 64];
         // Every tile has some 2500 splats, of which a run takes 2048, or 1024 on wide devices; unclamped.
         let points =
             scene(&[soup(41, 2300, 2.0..3.0, 0.001..0.02, true), soup(42, 300, 0.0..0.1, 0.1..0.9, true)].concat());

@@ -140,7 +140,7 @@ impl SpbrKind {
 
 /// Returns the variant of `spbr/draw`: cut and color space besides.
 pub(super) fn draw_variant(variant: Variant, cut: Cut, color: ColorSpace) -> Variant {
-    variant.with("PARTS", cut.parts).with("PART_LENGTH", cut.len).with("ENCODED", color as u32)
+    cut.apply_to(variant).with("ENCODED", color as u32)
 }
 
 /// Returns the variant of `spbr/sum`: shading besides.
