@@ -84,8 +84,8 @@ for name in $(binaries | sort -u); do
     if [[ " lab ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
 done
 doc=true lab=true
-# Whether the programs are tested as well, which CI demands: Python behind `lab`, since its tests keep a core busy one at
-# a time, and the others behind the suites of the device.
+# Whether the programs are tested as well, which CI demands: Python behind `lab`, since its tests keep a core busy one
+# at a time, and the others behind the suites of the device.
 programs=false
 
 # Picks from both lists what PARTS names.
