@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # A short turntable by every method, under synchronization validation. Frames whose passes nobody times have barriers
 # only where one pass needs another's results. The checks that a debug build makes between passes bring barriers of
-# their own, which would hide that one is missing, so that they are off. Its shaders are those of the other tests, which
-# the cache may have.
+# their own, which would hide that one is missing, so that they are off. Checks in shaders stay, so that the cache of
+# the tests has these shaders.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -16,8 +16,8 @@ trap 'rm -rf "$frames"' EXIT
 export PELLUCID_VALIDATION=1 PELLUCID_CHECKS=shaders
 # The table of methods, one in a row.
 methods=$(sed -n '/<!-- methods: generated -->/,/<!-- methods: end -->/s/^| `\([a-z-]*\)`.*/\1/p' docs/methods.md)
-# The built-in garden with a twelfth of its points: peeling draws all of them again for each layer. All of them have the
-# same passes but where lists are longer than 256.
+# Peeling draws every point again for each layer. A twelfth of the built-in garden's points has the same passes, except
+# those for lists longer than 256, which the whole garden has.
 mkdir "$frames/garden"
 "$PELLUCID_BINARY" -q scene garden --set points=40000 -o "$frames/garden"
 # Two at a time: pictures as small as these keep no more than a core busy. xargs fails if one of them does.

@@ -77,7 +77,7 @@ binaries() {
 device_suites=(gpu cli)
 # Suites that run beside them: on the host alone, with small pictures, or waiting for windows most of the time. Units
 # and examples are among them. `cargo test` without any target would build all examples, which clippy does faster.
-# `lab` is the last: it uses the device, too, and takes as long as all others.
+# `lab` is the last suite: it uses the device, too, and takes as long as all others.
 units=(--lib --example drivers --example gpu-shape --example study)
 other_suites=()
 for name in $(binaries | sort -u); do
@@ -199,11 +199,11 @@ fi
 
 # Python's packages are fetched and unpacked on one core, of which lints and builds leave some idle.
 python_environment() { tools/python.sh --environment; }
-if has programs; then start "Python's environment" python_environment; fi
+if $programs; then start "Python's environment" python_environment; fi
 if has lints; then
     tools/check.sh --lints
     step "the book"
     tools/book.sh
 fi
-if has programs; then finish; fi
+if $programs; then finish; fi
 if $programs || $lab || ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi

@@ -130,7 +130,7 @@ fn pixel(method: Method) -> Frame {
 #[test]
 fn stacks_over_many_batches_equal_the_reference() {
     with_device(|device| {
-        for n in [1usize, 2, 15, 16, 17, 32, 256, 600, 1500] {
+        for n in [1usize, 2, 15, 16, 17, 32, 256, 600, 3000] {
             let opacity = (3.0 / n as f32).min(0.5);
             let mut layers: Vec<_> = (0..n)
                 .map(|i| {

@@ -270,7 +270,7 @@ fn coincident_spheres_add_up_at_any_length() {
             let base = Method::SoftBase(lambda((one / integral(2.0, 0.7, -half, half)) as f32));
             assert_close(one_pixel(device, &spheres, base).rgba[0][3], -(-2.0f64).exp_m1(), 1e-5);
             let shells = |n: u32| f64::from(n);
-            for count in if n > 2000 { 3..=3 } else { 1..=3 }.step_by(2) {
+            for count in [1, 3] {
                 let mu = |i: u32| {
                     let radius = 2.0 - 2.0 * f64::from(i) / shells(count);
                     2.0 / (shells(count) * radius)
