@@ -27,7 +27,7 @@ pub static SHADERS: Sources = Sources {
 };
 
 /// Overrides whose values a frame or a device decides, be they whatever they may: a list of variants has some of them.
-pub const NUMBERS: [&str; 5] = ["PART_LENGTH", "STRIPES", "SHELLS", "SHELL_BITS", "PIXELS_PER_SHELL"];
+pub const NUMBERS: [&str; 2] = ["PART_LENGTH", "STRIPES"];
 
 /// Returns a variant's key without the values of [`NUMBERS`].
 pub fn key_without_numbers(variant: &Variant) -> String {

@@ -28,16 +28,14 @@ use pellucid_core::progress::Progress;
 use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
-use pellucid_engine::passes::project::{CloudPart, DeviceCloud, Footprint, Projecting};
+use pellucid_engine::passes::project::{DeviceCloud, Footprint, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
 use pellucid_engine::profile::{self, Profile};
 use pellucid_engine::{Result, plan};
 use pellucid_gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid_scene::prepare::order;
-use pellucid_scene::{
-    self as scene, ColorSpace, Discs, Method, Overrides, Raster, Scene, ScreenSplats, Shading, procedural,
-};
+use pellucid_scene::{self as scene, Discs, Method, Overrides, Raster, Scene, ScreenSplats, procedural};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -302,18 +300,7 @@ impl Course {
     /// Milliseconds of `opaque/nearest`.
     fn nearest(&mut self, device: &Device, cloud: &mut DeviceCloud, walker: Walker) -> Result<f64> {
         let window = [0, 0, SIDE, SIDE];
-        let how = Projecting {
-            footprint: Footprint::Disc,
-            radius_factor: 1.0,
-            max_radius_px: f32::MAX,
-            shading: Shading::NONE,
-            color: ColorSpace::Linear,
-            opacity_factor: 1.0,
-            part: CloudPart::All,
-            relative_depth: false,
-            lit: false,
-            gaussians: Default::default(),
-        };
+        let how = Projecting::plain(Footprint::Disc);
         cloud.set_view(&frame(Method::Points).camera, [SIDE; 2], window, &how);
         let cloud = &*cloud;
         let mut recorder = device.recorder()?;

@@ -26,13 +26,13 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
-use pellucid_engine::passes::project::{CloudPart, DeviceCloud, Footprint, Projecting};
+use pellucid_engine::passes::project::{DeviceCloud, Footprint, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
 use pellucid_engine::passes::tiles::Tiles;
 use pellucid_gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
-use pellucid_scene::{ColorSpace, Method, Shading, Spbr, SpbrSimplified};
+use pellucid_scene::{Method, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -131,18 +131,7 @@ fn milliseconds(rendered: &Rendered, wanted: impl Fn(&str) -> bool) -> f64 {
 /// Points per second of the rasterizer.
 fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
     let mut cloud = DeviceCloud::new(device, &points(count))?;
-    let how = Projecting {
-        footprint: Footprint::Point,
-        radius_factor: 1.0,
-        max_radius_px: f32::MAX,
-        shading: Shading::NONE,
-        color: ColorSpace::Linear,
-        opacity_factor: 1.0,
-        part: CloudPart::All,
-        relative_depth: false,
-        lit: false,
-        gaussians: Default::default(),
-    };
+    let how = Projecting::plain(Footprint::Point);
     let window = [0, 0, SIDE, SIDE];
     cloud.set_view(&frame(Method::Points, false).camera, [SIDE; 2], window, &how);
     let mut recorder = device.recorder()?;

@@ -6,6 +6,7 @@ use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, fs};
 
@@ -14,20 +15,23 @@ use pellucid_testing::shader_cache;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Environment of the ranks: a thread for each of them, as they compete for the cores.
-const ENVIRONMENT: [(&str, &str); 5] = [
+/// Environment of the ranks, which compete for the cores of one machine: lavapipe draws without threads of its own, and
+/// Open MPI looks for no network.
+const ENVIRONMENT: [(&str, &str); 6] = [
     ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
     ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
     ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
-    ("LP_NUM_THREADS", "1"),
+    ("OMPI_MCA_btl", "self,vader"),
+    ("LP_NUM_THREADS", "0"),
     ("PELLUCID_VALIDATION", "1"),
 ];
 
 fn with_environment(command: &mut Command, folder: &TempDir) {
     command.current_dir(folder).envs(ENVIRONMENT).env("PELLUCID_CACHE_DIR", shader_cache()).stdin(Stdio::null());
-    // Runs of Open MPI at the same time share a folder unless told otherwise, and one removes it while another one
-    // makes it.
-    let own = folder.path().file_name().expect("a folder has a name");
+    // Runs of Open MPI share a folder unless told otherwise, and one removes it while another one makes it.
+    static RUNS: AtomicU32 = AtomicU32::new(0);
+    let mut own = folder.path().file_name().expect("a folder has a name").to_owned();
+    own.push(RUNS.fetch_add(1, Ordering::Relaxed).to_string());
     command.env("OMPI_MCA_orte_tmpdir_base", Path::new(env!("CARGO_TARGET_TMPDIR")).join(own));
 }
 
@@ -360,7 +364,10 @@ fn a_rank_that_is_killed_at_any_moment_ends_all_and_leaves_no_file() {
             let mut lines =
                 BufReader::new(running.stderr.take().expect("standard error")).lines().map_while(Result::ok);
             let wanted = format!("rank {victim} of 3 ");
-            let line = lines.find(|line| line.starts_with(&wanted) && line.ends_with(moment)).expect("the moment");
+            let mut before = Vec::new();
+            let is_wanted = |line: &String| line.starts_with(&wanted) && line.ends_with(moment);
+            let line = lines.by_ref().inspect(|line| before.push(line.clone())).find(is_wanted);
+            let line = line.unwrap_or_else(|| panic!("{moment} {victim}: {before:?}"));
             let process = line.split_once("process ").and_then(|(_, rest)| rest.split_once(':')).expect("a process").0;
             let killed = Command::new("kill").args(["-9", process]).status().expect("kill runs");
             let begin = Instant::now();

@@ -16,7 +16,7 @@ struct PixelState {
 }
 
 fn begin(pixel: vec2<u32>) -> PixelState {
-    if LATER != 0u && all(pixel < view.window.zw) {
+    if is_later() && all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         return PixelState(kept_state(p), lasts[p]);
     }

@@ -65,7 +65,7 @@ fn begin(pixel: vec2<u32>) {
     nearest = empty_slots();
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
-        if LATER != 0u {
+        if is_later() {
             state = kept_state(p);
             nearest = kept_slots(p);
         } else if BEHIND != 0u {
@@ -105,7 +105,7 @@ fn finish(pixel: vec2<u32>) {
     }
     let s = nearest;
     let p = window_index(pixel, view.window);
-    if KEPT != 0u {
+    if is_one_of_several() {
         keep_slots(p, s);
     }
     var front = state.front;

@@ -19,7 +19,7 @@ fn begin(pixel: vec2<u32>) {
         let p = window_index(pixel, view.window);
         front_end = lasts[p];
         learn(p);
-        if LATER != 0u {
+        if is_later() {
             state = kept_state(p);
         } else {
             state = behind_front(p);

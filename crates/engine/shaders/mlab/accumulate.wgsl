@@ -58,7 +58,7 @@ fn keep_slots(p: u32, s: Slots) {
 fn begin(pixel: vec2<u32>) {
     state = empty_state();
     nearest = empty_slots();
-    if LATER != 0u && all(pixel < view.window.zw) {
+    if is_later() && all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         state = kept_state(p);
         nearest = kept_slots(p);
@@ -98,7 +98,7 @@ fn finish(pixel: vec2<u32>) {
     }
     let s = nearest;
     let p = window_index(pixel, view.window);
-    if KEPT != 0u {
+    if is_one_of_several() {
         keep_slots(p, s);
     }
     var front = vec4<f32>(0.0);

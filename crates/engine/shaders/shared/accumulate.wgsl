@@ -7,7 +7,7 @@
 alias PixelState = State;
 
 fn begin(pixel: vec2<u32>) -> PixelState {
-    if LATER != 0u && all(pixel < view.window.zw) {
+    if is_later() && all(pixel < view.window.zw) {
         return kept_state(window_index(pixel, view.window));
     }
     return empty_state();

@@ -3,9 +3,6 @@
 #import tile_run
 #import falloff
 
-// 1: a run goes on from the result of earlier ones, wherever the stage keeps that.
-override LATER: u32 = 0u;
-
 // A splat as it is handed from lane to lane.
 struct Handed {
     // Its pixel is there only for its own lane.

@@ -13,7 +13,7 @@ var<private> nearest: f32;
 fn begin_moments(pixel: vec2<u32>) {
 #each moment     moment{moment} = vec2<f32>(0.0);
     nearest = NO_PLACE;
-    if LATER != 0u && all(pixel < view.window.zw) {
+    if is_later() && all(pixel < view.window.zw) {
         let first = window_index(pixel, view.window) * STRIDE;
 #each moment         moment{moment} = known[first + {moment}u];
         nearest = known[first + MOMENTS + 1u].x;

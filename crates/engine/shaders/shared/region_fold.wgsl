@@ -7,7 +7,7 @@
 //     visit(pixel, fragment)   for each splat that may cover the pixel, in the order of the bins
 //     finish(pixel)            after the last splat of the run
 // pixels outside the window included. A run takes TAKEN splats of each tile, PICKED at most: with 64 / SUBGROUP regions
-// and an iteration for each splat and step, an invocation stays below what CPU drivers allow. With LATER = 1 it goes on
+// and an iteration for each splat and step, an invocation stays below what CPU drivers allow. A later one goes on
 // from what earlier ones left, wherever the stage keeps that.
 #import folding
 #import dispatch

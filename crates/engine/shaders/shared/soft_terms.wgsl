@@ -6,8 +6,6 @@
 #import open_sums
 #import packed
 
-// MODEL_BASE: a sphere whose density falls off; MODEL_CONCENTRIC: shells of constant density.
-override MODEL: u32 = 0u;
 // 1: some points are modulated (Eq. 22).
 override MODULATED: u32 = 0u;
 

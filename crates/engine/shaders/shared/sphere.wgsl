@@ -3,11 +3,8 @@
 // relative to depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
 #import pixel_ray
 
-// 0: as many shells as the radius in pixels over PIXELS_PER_SHELL; 1 is a whole sphere.
-override SHELLS: u32 = 1u;
-override PIXELS_PER_SHELL: f32 = 4.0;
-// Bits of a shell's number in a fragment's second word, above the bit that tells its exit from its entry.
-override SHELL_BITS: u32 = 0u;
+// MODEL_BASE: a sphere whose density falls off; MODEL_CONCENTRIC: shells of constant density, as many as the view says.
+override MODEL: u32 = 0u;
 // 1: events carry what the paper stores of them, and a fragment's second word is their slot.
 override PACKED: u32 = 0u;
 // Smaller radii are none.
@@ -77,11 +74,24 @@ fn half_chord(edge: f32, place: f32) -> f32 {
 
 // N of Seemann et al., Section 3.2.
 fn shells_of(splat: Splat) -> u32 {
-    if SHELLS > 0u {
-        return SHELLS;
+    let most = most_shells();
+    if most == 1u || view.down.w == 0.0 {
+        return most;
     }
     let pixels = splat.radius * view.focal.x / select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u);
-    return u32(clamp(ceil(pixels / PIXELS_PER_SHELL), 1.0, f32(MOST_SHELLS)));
+    return u32(clamp(ceil(pixels / view.down.w), 1.0, f32(most)));
+}
+
+fn most_shells() -> u32 {
+    if MODEL == MODEL_BASE {
+        return 1u;
+    }
+    return u32(view.right.w);
+}
+
+// Bits of a shell's number in a fragment's second word, above the bit that tells its exit from its entry.
+fn shell_bits() -> u32 {
+    return 32u - countLeadingZeros(most_shells() - 1u);
 }
 
 // How many of a sphere's shells the ray meets between two depths, from the outermost on; 0 if it misses the sphere
@@ -100,15 +110,15 @@ fn shells_met(chord: Chord, shells: u32, near: f32, far: f32) -> u32 {
 
 // The second word of an event: splat, shell, exit. Their order is any, but an entry comes before its exit.
 fn event_id(splat: u32, shell: u32, exit: u32) -> u32 {
-    return (splat << (SHELL_BITS + 1u)) | (shell << 1u) | exit;
+    return (splat << (shell_bits() + 1u)) | (shell << 1u) | exit;
 }
 
 fn event_splat(id: u32) -> u32 {
-    return id >> (SHELL_BITS + 1u);
+    return id >> (shell_bits() + 1u);
 }
 
 fn event_shell(id: u32) -> u32 {
-    return (id >> 1u) & ((1u << SHELL_BITS) - 1u);
+    return (id >> 1u) & ((1u << shell_bits()) - 1u);
 }
 
 fn is_exit(id: u32) -> bool {

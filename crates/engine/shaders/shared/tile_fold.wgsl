@@ -4,7 +4,7 @@
 //     begin(pixel) -> PixelState             before the first splat of a run
 //     visit(state, fragment) -> PixelState   for each splat that may cover the pixel
 //     finish(state, pixel)                   after the last splat of the run
-// pixels outside the window included. A run takes TAKEN splats of each tile; with LATER = 1 it goes on from what
+// pixels outside the window included. A run takes TAKEN splats of each tile; a later one goes on from what
 // earlier ones left, wherever the stage keeps that.
 #import folding
 #import hand_over

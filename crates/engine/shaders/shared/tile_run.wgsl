@@ -10,8 +10,9 @@ struct TileWalk {
     tiles: u32,
     // Cells of a tile in the table of ends.
     runs: u32,
-    // Which part of each tile's splats: those from segment * TAKEN on.
+    // Which part of each tile's splats: those from segment * TAKEN on; and the number of parts of the longest tile.
     segment: u32,
+    segments: u32,
 }
 
 @group(0) @binding(17) var<storage, read> ends: array<u32>;
@@ -38,9 +39,19 @@ fn run_of(tile: u32) -> vec2<u32> {
     return vec2<u32>(start, min(start + TAKEN, tile_end(tile)));
 }
 
+// True if the run goes on from the result of earlier ones, wherever the stage keeps that.
+fn is_later() -> bool {
+    return push.walk.segment > 0u;
+}
+
+// True if some tile takes several runs, so that each leaves what it knows.
+fn is_one_of_several() -> bool {
+    return push.walk.segments > 1u;
+}
+
 // True if a run has nothing to add to the result of earlier ones. The first one also writes where a tile has no splat.
 fn is_idle(run: vec2<u32>) -> bool {
-    return push.walk.segment > 0u && run.x >= run.y;
+    return is_later() && run.x >= run.y;
 }
 
 // An entry is a splat's index and, in its highest bits, the blocks of the tile that its rectangle meets.

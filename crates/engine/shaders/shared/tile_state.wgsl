@@ -7,9 +7,6 @@
 // State that a run leaves to the next: four vectors for each pixel.
 @group(0) @binding(22) var<storage, read_write> kept: array<vec4<f32>>;
 
-// 1: some tile takes several runs, so that each leaves what it knows.
-override KEPT: u32 = 0u;
-
 struct State {
     // Color times weight, and weight.
     sum: Sum,
@@ -51,7 +48,7 @@ fn behind_front(p: u32) -> State {
 fn leave(p: u32, state: State, rgba: vec4<f32>) {
     image[p] = rgba;
     depths[p] = composed_depth(select(state.key, state.shown, has_gaussians()));
-    if KEPT != 0u {
+    if is_one_of_several() {
         kept[4u * p] = state.sum.total;
         kept[4u * p + 1u] = state.sum.excess;
         kept[4u * p + 2u] = state.front;

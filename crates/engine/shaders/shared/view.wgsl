@@ -1,6 +1,8 @@
 // The camera and the part of the image in work. Camera axes: x right, y down, z forward.
 struct View {
-    // Axes as sums of two floats. In w of `forward` the share of light at which lists with Gaussians end, 0 for none.
+    // Axes as sums of two floats. In w of `right` the number of shells of a soft sphere at most. In w of `down` the
+    // pixels of its radius for each, 0 where every sphere has as many. In w of `forward` the share of light at which
+    // lists with Gaussians end, 0 for none.
     right: vec4<f32>,
     right_lo: vec4<f32>,
     down: vec4<f32>,

@@ -14,8 +14,6 @@
 @group(0) @binding(23) var<storage, read_write> counts: array<u32>;
 #push
 
-// 1: the image holds what lies in front.
-override LATER: u32 = 0u;
 // 1: there are solid points.
 override CUT: u32 = 0u;
 // 1: some splats have a W below 1.
@@ -144,7 +142,7 @@ fn is_done(held: PixelState) -> bool {
 
 // Result of the runs before for a pixel.
 fn left_by_others(pixel: vec2<u32>) -> Composed {
-    if LATER == 0u || any(pixel >= view.window.zw) {
+    if !is_later() || any(pixel >= view.window.zw) {
         return Composed(vec4<f32>(0.0), NOTHING);
     }
     let p = window_index(pixel, view.window);
@@ -165,7 +163,7 @@ fn finish(held: PixelState, pixel: vec2<u32>) {
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         if COUNTED != 0u {
-            counts[p] = held.count + select(0u, counts[p], LATER != 0u);
+            counts[p] = held.count + select(0u, counts[p], is_later());
         }
         image[p] = held.sum.rgba;
         depths[p] = composed_depth(held.sum.key);

@@ -35,7 +35,7 @@ fn begin(pixel: vec2<u32>) -> PixelState {
 }
 
 fn begin_run(cut: bool) {
-    max_opacity = select(push.max_opacity, 1.0, LATER != 0u || cut);
+    max_opacity = select(push.max_opacity, 1.0, is_later() || cut);
     is_cut = cut;
 }
 
@@ -60,7 +60,7 @@ fn show(held: PixelState, h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> Pi
 
 // This run's composition, behind that of the runs in front of it.
 fn joined(held: PixelState) -> Composed {
-    if LATER == 0u {
+    if !is_later() {
         return held.sum;
     }
     return Composed(held.front.rgba + (1.0 - held.front.rgba.a) * held.sum.rgba, held.front.key);
@@ -72,7 +72,7 @@ fn is_done(held: PixelState) -> bool {
 
 // Result of the runs before for a pixel. A depth stands for its key: nothing behind asks for the index again.
 fn left_by_others(pixel: vec2<u32>) -> Composed {
-    if LATER == 0u || any(pixel >= view.window.zw) {
+    if !is_later() || any(pixel >= view.window.zw) {
         return Composed(vec4<f32>(0.0), NOTHING);
     }
     let p = window_index(pixel, view.window);
@@ -89,7 +89,7 @@ fn finish(held: PixelState, pixel: vec2<u32>) {
         rgba.a = bitcast<f32>(bitcast<u32>(rgba.a) | SIGN);
     }
     image[p] = rgba;
-    if LATER == 0u || (held.front.key == NOTHING && held.sum.key != NOTHING) {
+    if !is_later() || (held.front.key == NOTHING && held.sum.key != NOTHING) {
         var key = held.sum.key;
         if !may_cross() && key != NOTHING {
             key = depth_key(shown_depth(flat_at(key), tilt_at(key), depth_at(key)));

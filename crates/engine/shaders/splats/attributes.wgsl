@@ -1,5 +1,5 @@
 // splats/attributes: colors times weight, and weights exp(-2 rho^2), of the fragments that are not hidden, summed
-// (Botsch et al. 2004, the second pass). One subgroup per block of a tile; with KEPT = 1 a run leaves what the next
+// (Botsch et al. 2004, the second pass). One subgroup per block of a tile; one of several runs leaves what the next
 // needs to round as if there were one. Relies on splats/visibility finding depths by the same arithmetic: the nearest
 // fragment always counts. Reference: reference::splats::blend.
 #import elementary
@@ -12,9 +12,6 @@
 @group(0) @binding(22) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(23) var<storage, read_write> excess: array<vec4<f32>>;
 
-// 1: some tile takes several runs.
-override KEPT: u32 = 0u;
-
 var<private> before: f32;
 var<private> limit: f32;
 var<private> sum: Sum;
@@ -23,7 +20,7 @@ fn begin(pixel: vec2<u32>) {
     let p = place_of(pixel);
     limit = limits[p];
     sum = Sum(vec4<f32>(0.0), vec4<f32>(0.0));
-    if LATER != 0u {
+    if is_later() {
         sum = Sum(image[p], excess[p]);
     }
     before = 0.0;
@@ -42,7 +39,7 @@ fn visit(pixel: vec2<u32>, fragment: Fragment) {
 fn finish(pixel: vec2<u32>) {
     if is_inside(pixel) {
         image[place_of(pixel)] = sum.total;
-        if KEPT != 0u {
+        if is_one_of_several() {
             excess[place_of(pixel)] = sum.excess;
         }
     }

@@ -18,7 +18,7 @@ fn begin(pixel: vec2<u32>) {
     nearest = limit;
     before = limit;
     let p = place_of(pixel);
-    if LATER != 0u {
+    if is_later() {
         limit = limits[p];
         nearest = depths[p];
     }

@@ -61,7 +61,7 @@ fn load(pixel: vec2<u32>) {
     sum.all = vec4<f32>(0.0);
     sum.exact = 0.0;
 #each stratum     sum.each[{stratum}u] = vec4<f32>(0.0);
-    if LATER != 0u {
+    if is_later() {
         sum.all = sums[p];
         if EXACT != 0u { sum.exact = exact[p]; }
 #each stratum         if SPREAD != 0u { sum.each[{stratum}u] = sums[({stratum}u + 1u) * push.pixels + p]; }
@@ -76,7 +76,7 @@ fn store(pixel: vec2<u32>) {
     sums[p] = sum.all;
     if EXACT != 0u { exact[p] = sum.exact; }
 #each stratum     if SPREAD != 0u { sums[({stratum}u + 1u) * push.pixels + p] = sum.each[{stratum}u]; }
-    if LATER == 0u {
+    if !is_later() {
         depths[p] = min(nearest(), select(depths[p], bitcast<f32>(0x7f800000u), push.before == 0u));
     }
 }

@@ -22,7 +22,7 @@ fn hold(s: u32, mask: u32, fragment: Fragment) {
 fn load(pixel: vec2<u32>) {
 #each stratum     held.keys[{stratum}u] = vec4<u32>(NOTHING);
 #each stratum     held.indices[{stratum}u] = vec4<u32>(NOTHING);
-    if LATER != 0u && all(pixel < view.window.zw) {
+    if is_later() && all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
 #each stratum         held.keys[{stratum}u] = held_keys[{stratum}u * push.pixels + p];
 #each stratum         held.indices[{stratum}u] = held_indices[{stratum}u * push.pixels + p];

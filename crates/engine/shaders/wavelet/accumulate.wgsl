@@ -38,7 +38,7 @@ fn begin(pixel: vec2<u32>) {
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         learn(p);
-        if LATER != 0u {
+        if is_later() {
             state = kept_state(p);
         }
     }

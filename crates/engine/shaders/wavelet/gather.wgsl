@@ -20,7 +20,7 @@ fn begin(pixel: vec2<u32>) {
     let p = window_index(pixel, view.window);
     range = range_of(ranges[p]);
     first = p * CELLS;
-    if LATER == 0u {
+    if !is_later() {
         for (var k = 0u; k < CELLS; k++) {
             cells[first + k] = vec2<f32>(0.0);
         }

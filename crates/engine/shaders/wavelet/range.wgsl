@@ -14,7 +14,7 @@ var<private> range: vec2<f32>;
 
 fn begin(pixel: vec2<u32>) {
     range = NO_RANGE;
-    if LATER != 0u && all(pixel < view.window.zw) {
+    if is_later() && all(pixel < view.window.zw) {
         range = ranges[window_index(pixel, view.window)];
     }
 }

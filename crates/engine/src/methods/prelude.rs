@@ -18,7 +18,7 @@ pub(crate) use crate::gpu::{
 };
 pub(crate) use crate::image::Image;
 pub(crate) use crate::passes::bands::{self, Band, Budget, Window};
-pub(crate) use crate::passes::bin::{self, Bin, Binned, Bins, OneRun, Order, OrderedTiles, TileWalk, TiledGroup};
+pub(crate) use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, Order, OrderedTiles, TileWalk, TiledGroup};
 pub(crate) use crate::passes::compose::{self, Composing, ComposingGroup, Cut, STOPS};
 pub(crate) use crate::passes::foresight::Knowledge;
 pub(crate) use crate::passes::project::{CloudPart, DISCS, DeviceCloud, Footprint, PointExtent, Projecting, Stats};

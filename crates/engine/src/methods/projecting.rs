@@ -32,11 +32,10 @@ impl Frame {
             max_radius_px: settings.max_pixel_radius,
             opacity_factor: self.factors.opacity,
             part,
-            relative_depth: false,
             shading: self.shading,
             color: self.color,
-            gaussians: Drawing::default(),
             lit: cloud.casting().is_some() && cloud.casting() == shadows::casting(self, cloud).as_ref(),
+            ..Projecting::plain(footprint)
         }
     }
 

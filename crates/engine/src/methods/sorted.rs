@@ -39,18 +39,18 @@ fn record_blend<'a>(
     let (stop, max_color) = compose::stop(frame.stop, frame.color, max_color);
     let shape = compose::variant(binned.cut(), raster.footprint, falloff);
     let push = |walk| BlendPush { walk, max_opacity: raster.cloud.max_opacity(), max_color };
-    let variant = |run| blend_variant(shape.clone(), run, stop);
-    Ok(binned.record_runs(recorder, &blend, binned.segments(), push, variant)?)
+    let variant = blend_variant(shape, binned.lanes(), stop);
+    Ok(binned.record_runs(recorder, &blend, binned.segments(), push, &variant)?)
 }
 
 /// A variant of `sorted/blend`, from that of shape and falloff.
-fn blend_variant(shape: Variant, run: OneRun, stop: u32) -> Variant {
-    bin::fold_blocks_variant(shape, run).with("STOP", stop)
+fn blend_variant(shape: Variant, lanes: Lanes, stop: u32) -> Variant {
+    bin::fold_blocks_variant(shape, lanes).with("STOP", stop)
 }
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    vec![Shader::new::<Blend>(bin::run_variants(compose::variants(), &STOPS, blend_variant))]
+    vec![Shader::new::<Blend>(bin::tile_variants(compose::variants(), &STOPS, blend_variant))]
 }
 
 /// Splats sorted once, blended tile by tile.

@@ -125,10 +125,9 @@ impl Splatter {
         let (runs, behind) = (binned.region_segments(), job.layer.is_some());
         let shape = compose::variant(binned.cut(), raster.footprint, Falloff::Flat);
         let push = |walk| SplatsPush { walk, blend_depth: job.blend_depth };
-        let visible = |run| visibility_variant(shape.clone(), run, behind);
-        let attributed = |run| attributes_variant(shape.clone(), run, behind);
-        binned.record_runs(recorder, &visibility, runs, push, visible)?;
-        binned.record_runs(recorder, &attributes, runs, push, attributed)?;
+        let variant = tile_variant(shape, binned.lanes(), behind);
+        binned.record_runs(recorder, &visibility, runs, push, &variant)?;
+        binned.record_runs(recorder, &attributes, runs, push, &variant)?;
         let pixels = bands::pixels(raster.window);
         let push = CountPush { count: pixels as u32 };
         Ok(recorder.run(&Normalize { image }, push, &Run::new(Dispatch::Invocations(pixels)))?)
@@ -151,14 +150,9 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
     Ok(outcome)
 }
 
-/// The variant of `splats/visibility`; `behind`: only fragments behind a layer count.
-fn visibility_variant(shape: Variant, run: OneRun, behind: bool) -> Variant {
-    bin::region_variant(shape, run).with("BEHIND", u32::from(behind))
-}
-
-/// The variant of `splats/attributes`.
-fn attributes_variant(shape: Variant, run: OneRun, behind: bool) -> Variant {
-    run.keeping(visibility_variant(shape, run, behind))
+/// A variant of the stages that go through tiles; `behind`: only fragments behind a layer count.
+fn tile_variant(shape: Variant, lanes: Lanes, behind: bool) -> Variant {
+    bin::region_variant(shape, lanes).with("BEHIND", u32::from(behind))
 }
 
 /// Returns the number of bytes that a pass must at least read and write: of splats each pair with a tile in each of two
@@ -178,11 +172,8 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
 pub fn shaders() -> Vec<Shader> {
     let shapes = TILED.iter().flat_map(|shape| Cut::all().into_iter().map(|cut| (cut, *shape)));
     let shapes: Vec<_> = shapes.map(|(cut, shape)| compose::variant(cut, shape, Falloff::Flat)).collect();
-    vec![
-        Shader::new::<Visibility>(bin::run_variants(shapes.clone(), &[false, true], visibility_variant)),
-        Shader::new::<Attributes>(bin::run_variants(shapes, &[false, true], attributes_variant)),
-        Shader::plain::<Normalize>(),
-    ]
+    let variants = bin::tile_variants(shapes, &[false, true], tile_variant);
+    vec![Shader::new::<Visibility>(variants.clone()), Shader::new::<Attributes>(variants), Shader::plain::<Normalize>()]
 }
 
 /// Opaque splats that are blended where they lie close together.

@@ -237,7 +237,7 @@ impl Approximations {
         let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
         let (lasts, slots, runs) = (self.lasts.get().all(), self.slots.get().all(), runs_over(binned, rounds));
         let push = |walk| SumPush { walk };
-        let sum = |run| sum_variant(shape.clone(), run);
+        let sum = &bin::fold_blocks_variant(shape.clone(), binned.lanes());
         match engine.kind {
             ApproximateKind::Weighted => binned.record_runs(recorder, &Weighted { tiles, sums }, runs, push, sum)?,
             ApproximateKind::Average => binned.record_runs(recorder, &Average { tiles, sums }, runs, push, sum)?,
@@ -245,8 +245,8 @@ impl Approximations {
             ApproximateKind::Mlab(nodes) => {
                 let count = layer_slots(nodes);
                 let push = |walk| LayerPush { walk, unused: count + 1 - nodes };
-                let layers = |run| layer_variant(shape.clone(), run, count);
-                binned.record_runs(recorder, &Layers { tiles, sums, slots }, runs, push, layers)?;
+                let layers = layer_variant(shape, binned.lanes(), count);
+                binned.record_runs(recorder, &Layers { tiles, sums, slots }, runs, push, &layers)?;
             }
             ApproximateKind::Hybrid { k, core_alpha_min, tail } => {
                 let push = |walk| HybridPush { walk, k, core_alpha_min };
@@ -263,8 +263,8 @@ impl Approximations {
                         for (i, slots) in rounds.iter().enumerate() {
                             let averaged = tail.is_none() && i + 1 == rounds.len();
                             let round = Round { slots: *slots, behind: i > 0, tail: averaged };
-                            let variant = |run| round_variant(shape.clone(), run, round);
-                            binned.record_runs(recorder, &oriented, runs, push, variant)?;
+                            let variant = round_variant(shape.clone(), binned.lanes(), round);
+                            binned.record_runs(recorder, &oriented, runs, push, &variant)?;
                         }
                     }
                 }
@@ -295,14 +295,9 @@ fn runs_over(binned: Binned, rounds: &[u32]) -> u32 {
     if rounds.is_empty() { binned.segments() } else { binned.region_segments() }
 }
 
-/// A variant of the stages, from that of shape and falloff.
-fn sum_variant(shape: Variant, run: OneRun) -> Variant {
-    run.keeping(bin::fold_blocks_variant(shape, run))
-}
-
 /// A variant of `hybrid` over oriented discs.
-fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
-    fading::leaving(shape, run)
+fn round_variant(shape: Variant, lanes: Lanes, round: Round) -> Variant {
+    bin::region_variant(shape, lanes)
         .with("BEHIND", u32::from(round.behind))
         .with("TAIL", u32::from(round.tail))
         .constant("SLOTS", round.slots)
@@ -310,8 +305,8 @@ fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
 }
 
 /// A variant of `mlab`.
-fn layer_variant(shape: Variant, run: OneRun, slots: u32) -> Variant {
-    fading::leaving(shape, run).constant("SLOTS", slots).each("slot", slots)
+fn layer_variant(shape: Variant, lanes: Lanes, slots: u32) -> Variant {
+    bin::region_variant(shape, lanes).constant("SLOTS", slots).each("slot", slots)
 }
 
 /// Returns the number of bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of
@@ -339,7 +334,9 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: ApproximateKind, tilted: boo
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let sums = |footprints: &[Footprint]| {
-        bin::run_variants(compose::variants_of(footprints), &[()], |shape, run, ()| sum_variant(shape, run))
+        bin::tile_variants(compose::variants_of(footprints), &[()], |shape, lanes, ()| {
+            bin::fold_blocks_variant(shape, lanes)
+        })
     };
     // The last round, which is the first one or not, has the slots that are left, and a tail or not.
     let flags = [false, true].into_iter().flat_map(|behind| [false, true].map(|tail| (behind, tail)));
@@ -353,10 +350,10 @@ pub fn shaders() -> Vec<Shader> {
         Shader::new::<Unsorted>(sums(&DISCS)),
         Shader::new::<HybridFlat>(sums(&flat)),
         Shader::new::<HybridFront>(sums(&flat)),
-        Shader::new::<HybridOriented>(bin::run_variants(compose::variants_of(&crossing), &rounds, round_variant)),
+        Shader::new::<HybridOriented>(bin::tile_variants(compose::variants_of(&crossing), &rounds, round_variant)),
         gather,
         weigh,
-        Shader::new::<Layers>(bin::run_variants(compose::variants(), &LAYER_SLOTS, layer_variant)),
+        Shader::new::<Layers>(bin::tile_variants(compose::variants(), &LAYER_SLOTS, layer_variant)),
     ]
 }
 

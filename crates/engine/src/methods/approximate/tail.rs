@@ -2,7 +2,7 @@
 //! moments of each pixel's other fragments, the second their colors, weighted by the light that moments leave before
 //! them.
 
-use crate::methods::fading::{self, Estimate, leaving, with_moments};
+use crate::methods::fading::{self, Estimate, with_moments};
 use crate::methods::prelude::*;
 use crate::methods::tiled::{Sums, SumsGroup};
 use crate::passes::bin::Tiled;
@@ -55,12 +55,11 @@ impl<'a> Tail<'a> {
         let Self { tiles, sums, lasts, known, moments, core_alpha_min, depth_range } = *self;
         let estimate = Estimate::new(&Moments { moments, ..Moments::default() }, depth_range);
         let push = |walk| TailPush { walk, estimate, core_alpha_min };
-        let counted = |variant| with_moments(variant, moments.get());
         let (runs, gather) = (binned.region_segments(), GatherTail { tiles, lasts, known });
-        let learning = |run| counted(bin::region_variant(shape.clone(), run));
-        binned.record_runs(recorder, &gather, runs, push, learning)?;
+        let variant = with_moments(bin::region_variant(shape.clone(), binned.lanes()), moments.get());
+        binned.record_runs(recorder, &gather, runs, push, &variant)?;
         let weigh = WeighTail { tiles, sums, lasts, known };
-        Ok(binned.record_runs(recorder, &weigh, runs, push, |run| counted(leaving(shape.clone(), run)))?)
+        Ok(binned.record_runs(recorder, &weigh, runs, push, &variant)?)
     }
 }
 
@@ -71,8 +70,5 @@ pub(super) fn pixel_bytes(moments: MomentCount) -> u64 {
 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> [Shader; 2] {
-    [
-        Shader::new::<GatherTail>(fading::by_moments(bin::region_variant)),
-        Shader::new::<WeighTail>(fading::by_moments(leaving)),
-    ]
+    [Shader::new::<GatherTail>(fading::by_moments()), Shader::new::<WeighTail>(fading::by_moments())]
 }

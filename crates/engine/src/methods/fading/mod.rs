@@ -7,7 +7,7 @@ mod passes;
 pub use passes::*;
 
 use self::passes::with_cells;
-pub(super) use self::passes::{by_moments, leaving, with_moments};
+pub(super) use self::passes::{by_moments, with_moments};
 use super::tiled::{self, SMALL_WINDOW, STATE_BYTES, Stage, SumPush, Sums, TiledEngine};
 use crate::methods::prelude::*;
 use crate::scene::{MomentCount, Moments};
@@ -109,25 +109,24 @@ impl Fadings {
         let shape = compose::variant(binned.cut(), raster.footprint, engine.discs.falloff);
         let (known, ranges) = (self.known.get().all(), self.ranges.get().all());
         let runs = binned.region_segments();
-        let learning = |run| bin::region_variant(shape.clone(), run);
-        let leaving = |run| leaving(shape.clone(), run);
+        let through = bin::region_variant(shape, binned.lanes());
         match engine.fading {
             Fading::Moments(moments) => {
                 let estimate = Estimate::new(&moments, depth_range);
                 let push = |walk| MomentPush { walk, estimate };
-                let counted = |variant| with_moments(variant, moments.moments.get());
+                let variant = with_moments(through, moments.moments.get());
                 let (gather, weigh) = (GatherMoments { tiles, known }, WeighByMoments { tiles, sums, known });
-                binned.record_runs(recorder, &gather, runs, push, |run| counted(learning(run)))?;
-                binned.record_runs(recorder, &weigh, runs, push, |run| counted(leaving(run)))?;
+                binned.record_runs(recorder, &gather, runs, push, &variant)?;
+                binned.record_runs(recorder, &weigh, runs, push, &variant)?;
             }
             Fading::Wavelet(rank) => {
                 let push = |walk| SumPush { walk };
-                let cut = |variant| with_cells(variant, 2 << rank);
+                let variant = with_cells(through.clone(), 2 << rank);
                 let gather = GatherCells { tiles, ranges, cells: known };
                 let weigh = WeighByCells { tiles, sums, ranges, cells: known };
-                binned.record_runs(recorder, &FindRange { tiles, ranges }, runs, push, learning)?;
-                binned.record_runs(recorder, &gather, runs, push, |run| cut(learning(run)))?;
-                binned.record_runs(recorder, &weigh, runs, push, |run| cut(leaving(run)))?;
+                binned.record_runs(recorder, &FindRange { tiles, ranges }, runs, push, &through)?;
+                binned.record_runs(recorder, &gather, runs, push, &variant)?;
+                binned.record_runs(recorder, &weigh, runs, push, &variant)?;
             }
         }
         Ok(())

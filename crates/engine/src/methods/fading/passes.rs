@@ -66,11 +66,6 @@ pass! {
     }
 }
 
-/// Returns a variant of the stages that leave colors.
-pub(in crate::methods) fn leaving(shape: Variant, run: OneRun) -> Variant {
-    run.keeping(bin::region_variant(shape, run))
-}
-
 /// Adds the number of moments.
 pub(in crate::methods) fn with_moments(variant: Variant, moments: u32) -> Variant {
     variant.constant("MOMENTS", moments).each("moment", moments + 1)
@@ -82,27 +77,29 @@ pub(super) fn with_cells(variant: Variant, cells: u32) -> Variant {
 }
 
 /// Returns the variants of a stage with moments.
-pub(in crate::methods) fn by_moments(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
-    bin::run_variants(compose::variants(), &MomentCount::ALL, |shape, run, count| {
-        with_moments(of(shape, run), count.get())
+pub(in crate::methods) fn by_moments() -> Vec<Variant> {
+    bin::tile_variants(compose::variants(), &MomentCount::ALL, |shape, lanes, count| {
+        with_moments(bin::region_variant(shape, lanes), count.get())
     })
 }
 
 /// Returns the variants of a stage with cells.
-fn by_cells(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
+fn by_cells() -> Vec<Variant> {
     let ranks: Vec<u32> = (1..=MAX_RANK).collect();
-    bin::run_variants(compose::variants(), &ranks, |shape, run, rank| with_cells(of(shape, run), 2 << rank))
+    bin::tile_variants(compose::variants(), &ranks, |shape, lanes, rank| {
+        with_cells(bin::region_variant(shape, lanes), 2 << rank)
+    })
 }
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
-        Shader::new::<GatherMoments>(by_moments(bin::region_variant)),
-        Shader::new::<WeighByMoments>(by_moments(leaving)),
-        Shader::new::<FindRange>(bin::run_variants(compose::variants(), &[()], |shape, run, ()| {
-            bin::region_variant(shape, run)
+        Shader::new::<GatherMoments>(by_moments()),
+        Shader::new::<WeighByMoments>(by_moments()),
+        Shader::new::<FindRange>(bin::tile_variants(compose::variants(), &[()], |shape, lanes, ()| {
+            bin::region_variant(shape, lanes)
         })),
-        Shader::new::<GatherCells>(by_cells(bin::region_variant)),
-        Shader::new::<WeighByCells>(by_cells(leaving)),
+        Shader::new::<GatherCells>(by_cells()),
+        Shader::new::<WeighByCells>(by_cells()),
     ]
 }

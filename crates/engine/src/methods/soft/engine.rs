@@ -29,7 +29,8 @@ pub(crate) struct ExpressEngine {
 
 impl SpheresEngine {
     fn projecting(&self, frame: &Frame, cloud: &DeviceCloud, kind: SphereKind) -> Projecting {
-        Projecting { relative_depth: true, ..projecting(frame, cloud, &self.soft, kind.footprint()) }
+        let shells = kind.interior.shells();
+        Projecting { relative_depth: true, shells, ..projecting(frame, cloud, &self.soft, kind.footprint()) }
     }
 
     /// Hands the lists of a window's soft points, which lie before its layer, to `go_on`; `None` if the window must be

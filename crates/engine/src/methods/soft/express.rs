@@ -128,16 +128,15 @@ impl SoftDiscs {
         let counts = self.counts.get().all();
         let express = Express { tiles, solid, into: target.pixels(), counts };
         let (stop, max_color) = compose::stop(frame.stop, frame.color, job.max_color);
-        for segment in 0..binned.segments() {
-            let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, max_color };
-            let (modulated, counted) = (job.modulated, frame.fragments);
-            let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted };
-            let run = OneRun::new(segment, binned.segments(), binned.lanes());
-            let over =
-                Run::new(binned.over_tiles()).variant(express_variant(compose::disc_variant(binned.cut()), run, kind));
-            recorder.run(&express, push, &over)?;
-        }
-        Ok(())
+        let (modulated, counted) = (job.modulated, frame.fragments);
+        let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted };
+        let variant = express_variant(compose::disc_variant(binned.cut()), binned.lanes(), kind);
+        let over = Run::new(binned.over_tiles()).variant(variant);
+        let segments = binned.segments();
+        (0..segments).try_for_each(|segment| {
+            let push = ExpressPush { walk: binned.walk(segment, segments), peak: job.model.lambda, max_color };
+            Ok(recorder.run(&express, push, &over)?)
+        })
     }
 }
 
@@ -155,8 +154,8 @@ pub(crate) struct ExpressKind {
 }
 
 /// A variant of `soft/express`, from that of flat discs.
-fn express_variant(flat: Variant, run: OneRun, kind: ExpressKind) -> Variant {
-    bin::fold_variant(flat, run)
+fn express_variant(flat: Variant, lanes: Lanes, kind: ExpressKind) -> Variant {
+    bin::fold_variant(flat, lanes)
         .with("STOP", if kind.counted { STOP_NEVER } else { kind.stop })
         .with("CUT", u32::from(kind.cut))
         .with("MODULATED", u32::from(kind.modulated))
@@ -173,7 +172,7 @@ pub(super) fn shaders() -> Vec<Shader> {
         })
         .collect();
     let flat = Cut::all().into_iter().map(compose::disc_variant).collect();
-    vec![Shader::new::<Express>(bin::run_variants(flat, &kinds, express_variant))]
+    vec![Shader::new::<Express>(bin::tile_variants(flat, &kinds, express_variant))]
 }
 
 #[cfg(test)]

@@ -240,8 +240,8 @@ pass! {
 }
 
 /// The variant of `stochastic/visibility`, from that of shape and falloff.
-fn tile_variant(shape: Variant, run: OneRun, strata: u32) -> Variant {
-    bin::region_variant(shape, run)
+fn tile_variant(shape: Variant, lanes: Lanes, strata: u32) -> Variant {
+    bin::region_variant(shape, lanes)
         .constant("STRATA", strata)
         .each("stratum", strata)
         .each("pair", strata / STRATA_OF_A_CALL)
@@ -272,11 +272,11 @@ impl Sampler {
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.settings.discs.falloff);
         let runs = binned.region_segments();
         let push = |walk| push(job, walk, batch);
-        let tile = |run| tile_variant(shape.clone(), run, batch.strata);
-        binned.record_runs(recorder, &visibility, runs, push, tile)?;
+        let tile = tile_variant(shape, binned.lanes(), batch.strata);
+        binned.record_runs(recorder, &visibility, runs, push, &tile)?;
         // All strata have the same exact A: the first ones find it.
         let kind = SampleKind { exact: job.finds_exact() && batch.before == 0, ..job.kind() };
-        binned.record_runs(recorder, &accumulate, runs, push, |run| kind.apply_to(tile(run)))?;
+        binned.record_runs(recorder, &accumulate, runs, push, &kind.apply_to(tile))?;
         Ok(())
     }
 }
@@ -290,7 +290,7 @@ fn push(job: &SampleJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let tiles = bin::run_variants(compose::variants(), &STRATA, tile_variant);
+    let tiles = bin::tile_variants(compose::variants(), &STRATA, tile_variant);
     let kinds = || SampleKind::all().into_iter();
     let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.apply_to(tile.clone())));
     vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]

@@ -148,13 +148,14 @@ pub struct Binned {
 
 impl Binned {
     /// Returns the part `segment` of each tile's splats, of all tiles.
-    pub fn walk(&self, segment: u32) -> TileWalk {
+    pub fn walk(&self, segment: u32, segments: u32) -> TileWalk {
         TileWalk {
             columns: self.binning.columns,
             first_tile: 0,
             tiles: self.tiles(),
             runs: self.binning.runs.runs,
             segment,
+            segments,
         }
     }
 

@@ -241,30 +241,6 @@ pub fn shaders() -> Vec<Shader> {
     ]
 }
 
-/// A run of several that together process the splats of all tiles.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct OneRun {
-    /// `true` if it goes on from the result of others.
-    pub later: bool,
-    /// `true` if there are several, so that each leaves its state.
-    pub kept: bool,
-    /// The invocations that go through the tiles.
-    pub lanes: Lanes,
-}
-
-impl OneRun {
-    /// Returns a run by its number among so many.
-    pub fn new(number: u32, of: u32, lanes: Lanes) -> Self {
-        Self { later: number > 0, kept: of > 1, lanes }
-    }
-
-    /// Returns a variant of stages that leave their state between runs, from one of [`region_variant`] or
-    /// [`fold_blocks_variant`].
-    pub fn keeping(self, variant: Variant) -> Variant {
-        variant.with("KEPT", u32::from(self.kept))
-    }
-}
-
 impl Binned {
     /// Records `runs` of a pass over the blocks of all tiles, as many as [`Self::segments`] or
     /// [`Self::region_segments`] tells.
@@ -274,33 +250,27 @@ impl Binned {
         pass: &P,
         runs: u32,
         push: impl Fn(TileWalk) -> P::Push,
-        variant: impl Fn(OneRun) -> Variant,
+        variant: &Variant,
     ) -> Result<(), gpu::Error> {
-        (0..runs).try_for_each(|number| {
-            let run = OneRun::new(number, runs, self.lanes());
-            recorder.run(pass, push(self.walk(number)), &Run::new(self.over_blocks()).variant(variant(run)))
-        })
+        let over = Run::new(self.over_blocks()).variant(variant.clone());
+        (0..runs).try_for_each(|number| recorder.run(pass, push(self.walk(number, runs)), &over))
     }
 }
 
-/// Returns the variants of a stage, from those of shapes: each shape and way with the only run, and with the first and
-/// the second of two.
-pub(crate) fn run_variants<W: Copy>(
+/// Returns the variants of a stage that goes through tiles, from those of shapes: each shape, way and division.
+pub(crate) fn tile_variants<W: Copy>(
     shapes: Vec<Variant>,
     ways: &[W],
-    of: impl Fn(Variant, OneRun, W) -> Variant,
+    of: impl Fn(Variant, Lanes, W) -> Variant,
 ) -> Vec<Variant> {
-    let mut all = Vec::new();
-    for (shape, way) in shapes.iter().flat_map(|shape| ways.iter().map(move |way| (shape, *way))) {
-        for lanes in Lanes::all() {
-            let runs = [(false, false), (false, true), (true, true)].map(|(later, kept)| OneRun { later, kept, lanes });
-            let mut different = runs.map(|run| of(shape.clone(), run, way)).to_vec();
-            // Not every stage keeps something.
-            different.dedup();
-            all.extend(different);
-        }
-    }
-    all
+    let of = &of;
+    let each = |shape: Variant| {
+        ways.iter().flat_map(move |way| {
+            let shape = shape.clone();
+            Lanes::all().into_iter().map(move |lanes| of(shape.clone(), lanes, *way))
+        })
+    };
+    shapes.into_iter().flat_map(each).collect()
 }
 
 /// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so

@@ -2,7 +2,7 @@
 
 use super::binning::{BLOCK_SIDE, BLOCKS, Binned, TILE_SIDE, pattern};
 use super::passes::{TileWalk, Tiled, TilesPush};
-use super::{Lanes, OneRun, SEGMENT, region_segment};
+use super::{Lanes, SEGMENT, region_segment};
 use crate::gpu::{Dispatch, Pass, Recorder, Run, Variant};
 use crate::passes::Error;
 use crate::passes::bands::{Band, Window};
@@ -32,9 +32,10 @@ impl<'a> OrderedTiles<'a> {
         let row = |pixel: u32| pixel / (window[2] - window[0]) / TILE_SIDE;
         let (first, last) = (row(band.pixels[0]), row(band.pixels[1].max(1) - 1));
         let tiles = (last - first + 1) * binning.columns;
-        for segment in 0..binned.segments() {
+        let segments = binned.segments();
+        for segment in 0..segments {
             let push = TilesPush {
-                walk: TileWalk { first_tile: first * binning.columns, tiles, ..binned.walk(segment) },
+                walk: TileWalk { first_tile: first * binning.columns, tiles, ..binned.walk(segment, segments) },
                 band_start: band.pixels[0],
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
@@ -48,24 +49,21 @@ impl<'a> OrderedTiles<'a> {
 }
 
 /// Returns the variant of stages that go through tiles with whole splats, from that of shape and falloff.
-pub(crate) fn fold_variant(shape: Variant, run: OneRun) -> Variant {
-    blocks(shape, SEGMENT, run.lanes).with("LATER", u32::from(run.later))
+pub(crate) fn fold_variant(shape: Variant, lanes: Lanes) -> Variant {
+    blocks(shape, SEGMENT, lanes)
 }
 
 /// Returns the variant of stages that go through each tile region by region (shaders/shared/region_fold.wgsl), like
 /// [`fold_variant`].
-pub(crate) fn region_variant(shape: Variant, run: OneRun) -> Variant {
-    let taken = region_segment(run.lanes.subgroup);
-    blocks(shape, taken, run.lanes)
-        .with("LATER", u32::from(run.later))
-        .constant("PICKED", taken)
-        .constant("REGION_COLUMNS", pattern(run.lanes.subgroup)[0])
+pub(crate) fn region_variant(shape: Variant, lanes: Lanes) -> Variant {
+    let taken = region_segment(lanes.subgroup);
+    blocks(shape, taken, lanes).constant("PICKED", taken).constant("REGION_COLUMNS", pattern(lanes.subgroup)[0])
 }
 
 /// Returns the same where each block of a tile has a subgroup of its own ([`Binned::over_blocks`]): for stages that
 /// hold much for each pixel.
-pub(crate) fn fold_blocks_variant(shape: Variant, run: OneRun) -> Variant {
-    let mut variant = fold_variant(shape, run).with("SHARED", BLOCKS);
+pub(crate) fn fold_blocks_variant(shape: Variant, lanes: Lanes) -> Variant {
+    let mut variant = fold_variant(shape, lanes).with("SHARED", BLOCKS);
     for (_, count) in variant.counts.iter_mut().filter(|(name, _)| *name == "block") {
         *count = 1;
     }

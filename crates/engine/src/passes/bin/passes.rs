@@ -46,6 +46,7 @@ gpu_struct! {
         tiles: u32,
         runs: u32,
         segment: u32,
+        segments: u32,
     }
 
     /// Push constants of stages that collect fragments.

@@ -159,6 +159,8 @@ pub struct Projecting {
     /// `true` if depths of splats are relative to the nearest depth of the points' box: the smaller they are, the more
     /// digits they have.
     pub relative_depth: bool,
+    /// Number of shells of a soft sphere.
+    pub shells: ShellCount,
     /// Shading, unless the cloud has no normals.
     pub shading: Shading,
     /// Space in which colors are blended.
@@ -167,6 +169,39 @@ pub struct Projecting {
     pub lit: bool,
     /// Settings by which Gaussians are drawn, of footprints that have some.
     pub gaussians: Drawing,
+}
+
+impl Projecting {
+    /// Returns the conversion of all points as they are, without shading.
+    pub fn plain(footprint: Footprint) -> Self {
+        Self {
+            footprint,
+            radius_factor: 1.0,
+            max_radius_px: f32::MAX,
+            opacity_factor: 1.0,
+            part: CloudPart::All,
+            relative_depth: false,
+            shells: ShellCount::ONE,
+            shading: Shading::NONE,
+            color: ColorSpace::Linear,
+            lit: false,
+            gaussians: Drawing::default(),
+        }
+    }
+}
+
+/// Number of concentric shells of a soft sphere (Seemann et al. 2018, Section 3.2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShellCount {
+    /// The most, at least 1.
+    pub most: u32,
+    /// Pixels of the radius for each shell; 0 where every sphere has the most.
+    pub radius_px: f32,
+}
+
+impl ShellCount {
+    /// A whole sphere.
+    pub const ONE: Self = Self { most: 1, radius_px: 0.0 };
 }
 
 /// Settings by which Gaussians are drawn.

@@ -5,9 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
-use pellucid_engine::passes::project::{CloudPart, DeviceCloud, Footprint, Projecting};
+use pellucid_engine::passes::project::{DeviceCloud, Footprint, Projecting};
 use pellucid_gpu::Buffer;
-use pellucid_scene::{ColorSpace, Shading};
 
 /// Points in a flat box, some of them in the same place, with all that settings pick from but radii.
 pub fn cloud(seed: u64, count: usize) -> Cloud {
@@ -77,18 +76,7 @@ pub fn assert_same(live: &TakenPicture, fresh: &TakenPicture, what: &str) {
 #[track_caller]
 pub fn assert_same_clouds(live: &mut SceneRenderer, fresh: &mut SceneRenderer, what: &str) {
     let [live, fresh] = [live, fresh].map(|stage| &mut stage.session().unwrap().uploaded.cloud);
-    let how = Projecting {
-        footprint: Footprint::Disc,
-        radius_factor: 1.0,
-        max_radius_px: 1.0,
-        opacity_factor: 1.0,
-        part: CloudPart::All,
-        relative_depth: false,
-        shading: Shading::NONE,
-        color: ColorSpace::Linear,
-        lit: false,
-        gaussians: Default::default(),
-    };
+    let how = Projecting { max_radius_px: 1.0, ..Projecting::plain(Footprint::Disc) };
     let most = |cloud: &DeviceCloud| (cloud.max_opacity(), cloud.max_color(&how), cloud.max_radius());
     assert_eq!(most(live), most(fresh), "{what}");
     assert_eq!((live.parts(0.4), live.columns()), (fresh.parts(0.4), fresh.columns()), "{what}");

@@ -1,6 +1,7 @@
 //! The inside of a sphere: density that falls off, or shells of constant density.
 
 use crate::methods::prelude::*;
+use crate::passes::project::ShellCount;
 use crate::scene::{MAX_SHELLS, Shells, SoftLayout};
 
 /// Large splats that a workgroup stores where they have shells.
@@ -38,6 +39,15 @@ impl Interior {
         }
     }
 
+    /// Returns the number of shells as the view has it.
+    pub(in crate::methods::soft) fn shells(self) -> ShellCount {
+        let radius_px = match self {
+            Self::Shells(Shells::Adaptive, pixels) => pixels,
+            _ => 0.0,
+        };
+        ShellCount { most: self.most_shells(), radius_px }
+    }
+
     /// Returns `true` if the spheres of a pixel must be counted besides its events.
     pub fn counted(self) -> bool {
         self.most_shells() > 1
@@ -61,16 +71,8 @@ impl Interior {
 
     /// Adds the constants of shaders/shared/sphere.wgsl.
     pub(super) fn sphere(self, variant: Variant) -> Variant {
-        let (shells, pixels_per_shell) = match self {
-            Self::Linear | Self::Packed => (1, 1.0),
-            Self::Shells(Shells::Fixed(shells), pixels) => (shells, pixels),
-            Self::Shells(Shells::Adaptive, pixels) => (0, pixels),
-        };
-        variant
-            .with("SHELLS", shells)
-            .with("PIXELS_PER_SHELL", pixels_per_shell)
-            .with("SHELL_BITS", self.shell_bits())
-            .with("PACKED", u32::from(self == Self::Packed))
+        let model = if self.is_integrated() { MODEL_BASE } else { MODEL_CONCENTRIC };
+        variant.with("MODEL", model).with("PACKED", u32::from(self == Self::Packed))
     }
 
     /// Returns `true` if events are integrated, and not constant densities summed.
@@ -80,15 +82,14 @@ impl Interior {
 
     /// Adds the constants of shaders/shared/soft_terms.wgsl as well.
     pub(super) fn terms(self, variant: Variant, modulated: bool) -> Variant {
-        let model = if self.is_integrated() { MODEL_BASE } else { MODEL_CONCENTRIC };
-        self.sphere(variant).with("MODEL", model).with("MODULATED", u32::from(modulated))
+        self.sphere(variant).with("MODULATED", u32::from(modulated))
     }
 }
 
-/// Shells in both forms: as many as a sphere's radius asks for, and a number of them.
+/// Shells in both forms: several of them, and one.
 impl Choices for Interior {
     fn all() -> Vec<Self> {
-        vec![Self::Linear, Self::Packed, Self::Shells(Shells::Adaptive, 4.0), Self::Shells(Shells::Fixed(5), 4.0)]
+        vec![Self::Linear, Self::Packed, Self::Shells(Shells::Adaptive, 4.0), Self::Shells(Shells::Fixed(1), 4.0)]
     }
 }
 

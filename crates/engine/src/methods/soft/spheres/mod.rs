@@ -27,7 +27,6 @@ use crate::methods::abuffer::{
 };
 use crate::methods::prelude::*;
 use crate::methods::splats;
-use crate::scene::MAX_SHELLS;
 
 /// Names of the kernels by the classes of [`abuffer::CLASSES`]; there is no list of a single event.
 pub const RESOLVE: [&str; 7] = [
@@ -49,7 +48,7 @@ pub fn classes() -> impl Iterator<Item = (usize, (u32, &'static str))> {
 pub const SPHERES_BYTES: u64 = 4;
 
 /// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MOST_SHELLS", MAX_SHELLS)];
+pub(crate) const CONSTANTS: [(&str, u32); 1] = [("MODEL_BASE", MODEL_BASE)];
 
 /// The soft points of a window.
 #[derive(Clone, Copy)]
@@ -258,7 +257,7 @@ mod tests {
     use super::long_lists::SEGMENTS_TAKEN;
     use super::*;
     use crate::methods::abuffer::LOCAL_LENGTH;
-    use crate::scene::{Shells, Soft};
+    use crate::scene::{MAX_SHELLS, Shells, Soft};
 
     /// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
     const MOST_ITERATIONS: u32 = 60_000;

@@ -57,8 +57,10 @@ impl DeviceCloud {
         let nearest = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0) as f32;
         eye_hi[3] = if how.relative_depth { nearest } else { 0.0 };
         eye_lo[3] = (camera.near - f64::from(eye_hi[3])) as f32;
-        let (right, right_lo) = rows(camera.right);
-        let (down, down_lo) = rows(-camera.up);
+        let (mut right, right_lo) = rows(camera.right);
+        right[3] = how.shells.most as f32;
+        let (mut down, down_lo) = rows(-camera.up);
+        down[3] = how.shells.radius_px;
         let (mut forward, forward_lo) = rows(camera.forward);
         forward[3] = how.gaussians.settings.stop;
         let (focal, focal_lo) = split(DVec3::splat(camera.focal_px(size[1])));
