@@ -60,7 +60,8 @@ make_environment() {
     if ! cmp -s "$list" "$environment/requirements.txt"; then
         say "making $environment"
         python3 -m venv --clear "$environment"
-        "$environment/bin/pip" install -q --disable-pip-version-check --only-binary :all: -r "$list"
+        # What is imported is compiled then; the rest, most of it, never.
+        "$environment/bin/pip" install -q --disable-pip-version-check --only-binary :all: --no-compile -r "$list"
         cp "$list" "$environment/requirements.txt"
     fi
 }

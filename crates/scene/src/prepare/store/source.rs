@@ -63,11 +63,21 @@ impl SpaceRegion {
     fn touches(&self, part: &Bounds) -> bool {
         match self {
             Self::Box(bounds) => (part.max.cmpge(bounds.min) & part.min.cmple(bounds.max)).all(),
-            Self::Balls(balls) => {
-                balls.iter().any(|(center, radius)| center.clamp(part.min, part.max).distance(*center) <= *radius)
-            }
+            Self::Balls(balls) => balls.iter().any(|ball| reaches(*ball, part)),
         }
     }
+
+    /// What it holds of a part of space: fewer balls, of which there may be thousands.
+    fn within(&self, part: &Bounds) -> Self {
+        match self {
+            Self::Box(bounds) => Self::Box(*bounds),
+            Self::Balls(balls) => Self::Balls(balls.iter().copied().filter(|ball| reaches(*ball, part)).collect()),
+        }
+    }
+}
+
+fn reaches((center, radius): (DVec3, f64), part: &Bounds) -> bool {
+    center.clamp(part.min, part.max).distance(center) <= radius
 }
 
 impl RegionStore {
@@ -104,6 +114,7 @@ impl RegionStore {
         };
         let columns = self.held.get(node, read)?;
         let Columns { positions, normals } = &*columns;
+        let shape = shape.within(&self.octree.nodes()[node].bounds);
         let inside: Vec<usize> = (0..positions.len()).filter(|i| shape.holds(positions[*i])).collect();
         let first = self.octree.first_point(node);
         Ok(Local {
