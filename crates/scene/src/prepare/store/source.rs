@@ -67,7 +67,7 @@ impl SpaceRegion {
         }
     }
 
-    /// What it holds of a part of space: fewer balls, of which there may be thousands.
+    /// Returns the same for a part of space: fewer balls, of which there may be thousands.
     fn within(&self, part: &Bounds) -> Self {
         match self {
             Self::Box(bounds) => Self::Box(*bounds),
