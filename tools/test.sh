@@ -162,8 +162,7 @@ run_devices() {
     local status=0
     if ((${#devices[@]} > 0)); then tests "${devices[@]}" || status=1; fi
     if $programs; then
-        # Shaders as a release build has them.
-        PELLUCID_CHECKS=0 "$target/debug/examples/gpu-shape" --check || status=1
+        "$target/debug/examples/gpu-shape" --check || status=1
         tools/barriers.sh || status=1
         tools/mpi.sh || status=1
     fi
