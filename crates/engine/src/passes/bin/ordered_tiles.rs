@@ -72,7 +72,7 @@ pub(crate) fn fold_blocks_variant(shape: Variant, lanes: Lanes) -> Variant {
 
 /// Returns the variant of stages that go through ordered tiles.
 pub(crate) fn gather_variant(cut: Cut, lanes: Lanes) -> Variant {
-    blocks(compose::disc_variant(cut), SEGMENT, lanes)
+    fold_variant(compose::disc_variant(cut), lanes)
 }
 
 /// Adds the constants of shaders/shared/blocks.wgsl, and the number of a tile's splats that a run takes.

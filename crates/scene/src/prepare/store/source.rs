@@ -114,7 +114,9 @@ impl RegionStore {
         };
         let columns = self.held.get(node, read)?;
         let Columns { positions, normals } = &*columns;
-        let shape = shape.within(&self.octree.nodes()[node].bounds);
+        // Their own box: points of a file may lie beside that of their node.
+        let Some(bounds) = Bounds::of(positions) else { return Ok(Local::default()) };
+        let shape = shape.within(&bounds);
         let inside: Vec<usize> = (0..positions.len()).filter(|i| shape.holds(positions[*i])).collect();
         let first = self.octree.first_point(node);
         Ok(Local {

@@ -59,7 +59,7 @@ impl Interior {
         if self.counted() { SHELLS_SEGMENT } else { SEGMENT }
     }
 
-    /// Bits of an event's index for the shell.
+    /// Bits of an event's index for the shell, as shaders/shared/sphere.wgsl counts them.
     fn shell_bits(self) -> u32 {
         self.most_shells().next_power_of_two().ilog2()
     }
@@ -86,7 +86,7 @@ impl Interior {
     }
 }
 
-/// Shells in both forms: several of them, and one.
+/// Shells in both forms: several of them, which are counted, and one.
 impl Choices for Interior {
     fn all() -> Vec<Self> {
         vec![Self::Linear, Self::Packed, Self::Shells(Shells::Adaptive, 4.0), Self::Shells(Shells::Fixed(1), 4.0)]
