@@ -25,11 +25,15 @@ pub fn decode_srgb(encoded: f32) -> f32 {
     decode_srgb_f64(f64::from(encoded)) as f32
 }
 
-/// Returns the linear values of all sRGB-encoded integers from 0 to `full`, which is 255 or 65535.
+/// Numbers of full intensity in integers of 8, 10, 12 and 16 bits.
+pub const FULL_INTEGERS: [u16; 4] = [255, 1023, 4095, u16::MAX];
+
+/// Returns the linear values of all sRGB-encoded integers from 0 to `full`, which is one of [`FULL_INTEGERS`].
 pub fn linear_values(full: u16) -> &'static [f32] {
-    static VALUES: [OnceLock<Vec<f32>>; 2] = [const { OnceLock::new() }; 2];
+    static VALUES: [OnceLock<Vec<f32>>; FULL_INTEGERS.len()] = [const { OnceLock::new() }; FULL_INTEGERS.len()];
     let linear = |encoded: u16| decode_srgb(f32::from(encoded) / f32::from(full));
-    VALUES[usize::from(full > 255)].get_or_init(|| (0..=full).map(linear).collect())
+    let at = FULL_INTEGERS.partition_point(|known| *known < full);
+    VALUES[at].get_or_init(|| (0..=full).map(linear).collect())
 }
 
 /// sRGB-encoded value of a linear one. Negative values stay on the linear part.

@@ -111,9 +111,9 @@ pub trait Spheres: std::fmt::Debug + Send + Sync {
     /// Returns, for each group, a box around its positions and the largest radius, in world units.
     fn groups(&self) -> Vec<(Bounds, f64)>;
 
-    /// Positions and radii of a group's points, also of those that are not drawn; nothing if they can't be read, which
-    /// whoever reads them again is told.
-    fn of_group(&self, group: usize) -> Vec<(DVec3, f64)>;
+    /// Positions and radii of a group's points, also of those that are not drawn unless only `drawn` ones are asked for;
+    /// nothing if they can't be read, which whoever reads them again is told.
+    fn of_group(&self, group: usize, drawn: bool) -> Vec<(DVec3, f64)>;
 }
 
 /// Origin that the points of a scene are relative to on a device.
@@ -265,6 +265,12 @@ impl Points {
         all.filter(move |position| sampling.takes(**position))
     }
 
+    /// Returns those of [`Self::sampled`] that are drawn.
+    pub fn sampled_drawn(&self) -> impl ParallelIterator<Item = &DVec3> {
+        let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
+        self.positions.par_iter().with_min_len(1 << 14).filter(move |position| sampling.takes(**position))
+    }
+
     /// Returns the ids of some points of the list: numbers that random words are made from. An id follows from a
     /// point's place and, of points in one place, from their canonical order; not from what else there is, so that any
     /// part of a scene has the ids of the whole. A scene of up to 2¹⁸ points that is moved, or scaled by a power of
@@ -332,7 +338,7 @@ impl Points {
         Bounds::of(&self.positions)
     }
 
-    /// Returns the positions and radii of all points, also of those that are not drawn.
+    /// Returns the positions and radii of all points, those that are not drawn behind the others.
     pub fn spheres(&self) -> impl IndexedParallelIterator<Item = (DVec3, f64)> {
         let unseen = self.unseen.positions.par_iter().zip(&self.unseen.radii);
         let all = self.positions.par_iter().zip(&self.radii).chain(unseen).with_min_len(1 << 12);

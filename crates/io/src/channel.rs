@@ -4,11 +4,14 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::columns::ScalarType;
-use pellucid_core::color::{decode_srgb, linear_values};
+use pellucid_core::color::{FULL_INTEGERS, decode_srgb, linear_values};
 use pellucid_core::parallel;
 
-/// Floats up to this limit are meant to be at most 1; the excess is rounding.
-const UNIT: f32 = 1.0 + 1e-3;
+/// Colors up to this limit are meant to be at most 1, and the excess is clamped: bytes of at most 2 would be black.
+const UNIT: f32 = 2.0;
+
+/// Writers that count to 256 mean 255.
+const MOST_OF_BYTES: f32 = 256.0;
 
 /// A color or alpha channel.
 #[derive(Debug)]
@@ -20,14 +23,12 @@ pub(super) struct Channel {
 
 #[derive(Debug, Clone, Copy)]
 enum Scale {
-    /// Integers up to this are 0–1. Signed bytes are bytes that someone declared wrongly.
-    Integer {
-        largest: u16,
-        signed_byte: bool,
+    /// Bytes. Signed bytes are bytes that someone declared wrongly.
+    Byte {
+        signed: bool,
         /// Linear values of all of them.
         linear: &'static [f32],
     },
-    Float,
     /// Linear values, as stored.
     Linear,
     /// Numbers that stay as they are until the largest of them is known.
@@ -40,45 +41,41 @@ impl Channel {
         Self { at, scale: Scale::Linear }
     }
 
-    /// Returns the channel of numbers at a place of the row whose range is that of all of them.
-    pub fn of_any_range(at: usize) -> Self {
-        Self { at, scale: Scale::Measured }
-    }
-
     /// Returns `true` if the range is that of all values, which are stored until it is known.
     pub fn is_measured(&self) -> bool {
         matches!(self.scale, Scale::Measured)
     }
 
-    /// Returns the channel at a place of the row, by the type that it is stored as.
+    /// Returns the channel at a place of the row, by the type that it is stored as: only bytes tell their range, since
+    /// writers put bytes into shorts, integers and floats.
     pub fn new(at: usize, scalar: &ScalarType) -> Self {
+        let byte = |signed| Scale::Byte { signed, linear: linear_values(u8::MAX.into()) };
         let scale = match scalar {
-            ScalarType::Float | ScalarType::Double => Scale::Float,
-            integer => {
-                let largest = if *integer == ScalarType::UShort { u16::MAX } else { 255 };
-                let (signed_byte, linear) = (*integer == ScalarType::Char, linear_values(largest));
-                Scale::Integer { largest, signed_byte, linear }
-            }
+            ScalarType::UChar => byte(false),
+            ScalarType::Char => byte(true),
+            _ => Scale::Measured,
         };
         Self { at, scale }
     }
 
-    /// The stored integer, clamped to its range.
+    /// Returns the channel of the numbers of this one, as they are stored.
+    pub fn as_stored(self) -> Self {
+        Self { scale: Scale::Measured, ..self }
+    }
+
+    /// The stored byte.
     #[inline]
-    fn integer(value: f64, largest: u16, signed_byte: bool) -> u16 {
-        let value = if signed_byte && value < 0.0 { value + 256.0 } else { value };
+    fn byte(value: f64, signed: bool) -> u8 {
+        let value = if signed && value < 0.0 { value + 256.0 } else { value };
         // The conversion saturates, and turns NaN into 0.
-        (value as u16).min(largest)
+        value as u8
     }
 
     /// Returns the linear value of an sRGB-encoded channel, or what is stored if its range is not known yet.
     #[inline]
     pub fn linear(&self, value: f64) -> f32 {
         match self.scale {
-            Scale::Integer { largest, signed_byte, linear } => {
-                linear[usize::from(Self::integer(value, largest, signed_byte))]
-            }
-            Scale::Float => decode_srgb(unit_or(0.0, value as f32)),
+            Scale::Byte { signed, linear } => linear[usize::from(Self::byte(value, signed))],
             Scale::Linear => unit_or(0.0, value as f32),
             Scale::Measured => value as f32,
         }
@@ -88,10 +85,8 @@ impl Channel {
     #[inline]
     pub fn unit(&self, value: f64) -> f32 {
         match self.scale {
-            Scale::Integer { largest, signed_byte, .. } => {
-                f32::from(Self::integer(value, largest, signed_byte)) / f32::from(largest)
-            }
-            Scale::Float | Scale::Linear => unit_or(1.0, value as f32),
+            Scale::Byte { signed, .. } => f32::from(Self::byte(value, signed)) / 255.0,
+            Scale::Linear => unit_or(1.0, value as f32),
             Scale::Measured => value as f32,
         }
     }
@@ -109,13 +104,18 @@ pub(super) fn largest(values: impl ParallelIterator<Item = f32>) -> Option<f32> 
 }
 
 /// Returns the number of full intensity in values whose type doesn't define it, by the largest of them: 1 if that is no
-/// larger, else 255, else 65535. `None` if no value is above 0.
+/// larger, else that of the fewest bits that hold it ([`full_integer`]). `None` if no value is above 0.
 pub(super) fn full_scale(largest: Option<f32>) -> Option<f32> {
-    Some(match largest.filter(|&largest| largest > 0.0)? {
-        largest if largest <= UNIT => 1.0,
-        largest if largest <= 255.0 => 255.0,
-        _ => 65535.0,
-    })
+    let largest = largest.filter(|&largest| largest > 0.0)?;
+    Some(if largest <= UNIT { 1.0 } else { full_integer(largest).into() })
+}
+
+/// Returns the number of full intensity in integers of which this is the largest: many writers put 8, 10 or 12 bits
+/// into wider fields.
+pub(super) fn full_integer(largest: f32) -> u16 {
+    let bytes = largest <= MOST_OF_BYTES;
+    let full = FULL_INTEGERS.into_iter().find(|&full| bytes || largest <= f32::from(full));
+    full.unwrap_or(u16::MAX)
 }
 
 /// Returns linear colors from sRGB-encoded ones, by the number of full intensity ([`full_scale`]). A color without any
@@ -148,7 +148,27 @@ mod tests {
         let bytes = decoded_all(&[[0.5, 1.0, 0.0], [51.0, 255.0, -3.0]]).unwrap();
         assert_eq!(bytes[0], Vec3::new(decoded(0.5, 255.0), decoded(1.0, 255.0), 0.0));
         assert_eq!(bytes[1], Vec3::new(decoded(51.0, 255.0), 1.0, 0.0));
-        let shorts = decoded_all(&[[256.0, 0.0, 0.0], [f32::INFINITY, f32::NAN, 0.0], [f32::NAN; 3]]).unwrap();
-        assert_eq!(shorts, [Vec3::new(decoded(256.0, 65535.0), 0.0, 0.0), Vec3::X, Vec3::ONE]);
+        let shorts = decoded_all(&[[5e3, 0.0, 0.0], [f32::INFINITY, f32::NAN, 0.0], [f32::NAN; 3]]).unwrap();
+        assert_eq!(shorts, [Vec3::new(decoded(5e3, 65535.0), 0.0, 0.0), Vec3::X, Vec3::ONE]);
+    }
+
+    #[test]
+    fn full_intensity_is_that_of_the_fewest_bits() {
+        for (largest, full) in [
+            (0.5, 1.0),
+            (1.0, 1.0),
+            (1.5, 1.0),
+            (3.0, 255.0),
+            (255.0, 255.0),
+            (256.0, 255.0),
+            (257.0, 1023.0),
+            (1023.0, 1023.0),
+            (3200.0, 4095.0),
+            (4096.0, 65535.0),
+            (1e9, 65535.0),
+        ] {
+            assert_eq!(full_scale(Some(largest)), Some(full), "{largest}");
+        }
+        assert_eq!([None, Some(0.0), Some(-7.0)].map(full_scale), [None; 3]);
     }
 }

@@ -21,7 +21,7 @@ mod text;
 pub mod volume;
 
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read, Seek};
+use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
@@ -335,6 +335,13 @@ impl InputFile {
         let read = self.reader.by_ref().take(START).read_to_end(&mut start);
         read.and_then(|_| self.reader.rewind()).map_err(|e| self.read_error(e))?;
         Ok(start)
+    }
+
+    /// Some bytes of the file.
+    fn bytes(&mut self, start: u64, len: usize) -> Result<Vec<u8>, Error> {
+        let mut bytes = vec![0; len];
+        let read = self.reader.seek(SeekFrom::Start(start)).and_then(|_| self.reader.read_exact(&mut bytes));
+        read.map(|()| bytes).map_err(|e| self.read_error(e))
     }
 
     /// All bytes of the file, from its start.

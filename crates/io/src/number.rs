@@ -5,10 +5,22 @@ use serde::{Deserialize, Serialize};
 /// Returns a number as C, Python or Windows prints it: `-nan(ind)` and `1.#QNAN` are not numbers, but not errors
 /// either.
 pub(super) fn number(word: &str) -> Option<f64> {
-    word.parse().ok().or_else(|| {
-        let lower = word.to_ascii_lowercase();
-        (lower.contains("nan") || lower.contains('#')).then_some(f64::NAN)
-    })
+    word.parse().ok().or_else(|| special(&word.to_ascii_lowercase()))
+}
+
+/// Returns the value of a lower-case word for what is no finite number: `nan(…)` of C, `1.#inf` and the like of
+/// Windows, which a precision fills up with zeros.
+fn special(word: &str) -> Option<f64> {
+    let unsigned = word.strip_prefix(['+', '-']).unwrap_or(word);
+    let payload = |rest: &str| rest.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).is_some();
+    if unsigned.strip_prefix("nan").is_some_and(payload) {
+        return Some(f64::NAN);
+    }
+    match unsigned.strip_prefix("1.#")?.trim_end_matches('0') {
+        "inf" => Some(if word.starts_with('-') { f64::NEG_INFINITY } else { f64::INFINITY }),
+        "ind" | "qnan" | "snan" => Some(f64::NAN),
+        _ => None,
+    }
 }
 
 /// The type of a number.
@@ -128,10 +140,15 @@ mod tests {
         for (word, value) in [("1", 1.0), ("-1.", -1.0), (".5", 0.5), ("+2e3", 2000.0), ("inf", f64::INFINITY)] {
             assert_eq!(number(word), Some(value), "{word}");
         }
-        for word in ["nan", "NaN", "-nan(ind)", "1.#QNAN", "-1.#IND"] {
+        for word in ["nan", "NaN", "-NaN", "-nan(ind)", "nan(0x7f)", "1.#QNAN", "-1.#IND00", "+1.#SNAN"] {
             assert!(number(word).is_some_and(f64::is_nan), "{word}");
         }
-        for word in ["", "x", "1,5", "0x10"] {
+        assert_eq!(["1.#INF", "-1.#INF00"].map(number), [Some(f64::INFINITY), Some(f64::NEG_INFINITY)]);
+    }
+
+    #[test]
+    fn words_and_colors_are_not_numbers() {
+        for word in ["", "x", "1,5", "0x10", "Banana", "nano", "nan(", "#c8281e", "12#4", "1.#", "2.#INF", "1.#QNAN7"] {
             assert_eq!(number(word), None, "{word}");
         }
     }

@@ -54,7 +54,7 @@ impl<'a> Course<'a> {
             let problem = format!("near ({near}) must be less than far ({far}); the path sets only one of them");
             return Err(Error::Conflict { place: Place::Option("[camera]".into()), problem });
         }
-        let bounds = &self.subject.bounds;
+        let bounds = &self.subject.all;
         let (near, far) = framing::depths(given, pose.eye, pose.forward, bounds, self.subject.radius);
         let camera = pose.camera(near, far);
         if !framing::is_usable(&camera) {
@@ -73,8 +73,8 @@ impl<'a> Course<'a> {
     /// # Errors
     /// Returns the errors of [`super::camera`].
     pub fn turntable(&self) -> Result<(Turntable, Vec<String>), Error> {
-        let settings = &framing::automatic(self.scene, self.subject.points, self.up);
-        let (start, warnings) = framing::camera_of(self.scene, settings, self.subject.points, self.up)?;
+        let settings = &framing::automatic(self.scene, self.subject.framed.points, self.up);
+        let (start, warnings) = framing::camera_of(self.scene, settings, self.subject.framed.points, self.up)?;
         // A view asked for replaces them.
         let own = !settings.view.is_given();
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
@@ -100,7 +100,7 @@ impl<'a> Course<'a> {
 
     /// An orthographic camera that shows everything during the whole turn.
     fn widened(&self, start: Camera, settings: &CameraSettings, center: DVec3, axis: DVec3) -> Camera {
-        let spheres = Spheres { points: self.subject.points, center, axes: [start.right, start.up, start.forward] };
+        let spheres = Spheres { framed: self.subject.framed, center, axes: [start.right, start.up, start.forward] };
         let extent = turned_extent(&spheres, DVec2::ZERO, axis);
         let height = framing::height_of(&extent, framing::is_centered(settings), self.scene.image.size, &self.subject);
         Camera { projection: Projection::Orthographic { height }, ..start }
@@ -112,7 +112,7 @@ impl<'a> Course<'a> {
         let Projection::Perspective { .. } = start.projection else { return true };
         let tangents = framing::tangents(start.projection, self.scene.image.size) / framing::FILL;
         let axes = [start.right, start.up, start.forward];
-        let extent = turned_extent(&Spheres { points: self.subject.points, center, axes }, tangents, axis);
+        let extent = turned_extent(&Spheres { framed: self.subject.framed, center, axes }, tangents, axis);
         let distance = (center - start.eye).dot(start.forward);
         let inside = self.subject.bounds.min.cmple(start.eye).all() && start.eye.cmple(self.subject.bounds.max).all();
         inside || distance >= extent.centered_distance(tangents)
@@ -123,7 +123,7 @@ impl<'a> Course<'a> {
     fn eye(&self, start: &Camera, center: DVec3, axis: DVec3, centered: bool) -> DVec3 {
         let tangents = framing::tangents(start.projection, self.scene.image.size);
         let axes = [start.right, start.up, start.forward];
-        let spheres = Spheres { points: self.subject.points, center, axes };
+        let spheres = Spheres { framed: self.subject.framed, center, axes };
         let extent = turned_extent(&spheres, tangents, axis);
         let clear = framing::clearance(&self.subject, center, extent.nearest);
         let distance = match (start.projection, centered) {
@@ -174,5 +174,5 @@ fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> ViewExt
             nearest: -nearest(height, radius) - own,
         }
     };
-    spheres.points.spheres().map(one).reduce(|| ViewExtent::NOTHING, ViewExtent::union)
+    spheres.framed.spheres().map(one).reduce(|| ViewExtent::NOTHING, ViewExtent::union)
 }

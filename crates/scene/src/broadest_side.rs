@@ -7,9 +7,10 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::framed::Framed;
 use super::settings::CameraSettings;
 use super::view::{Vertical, View};
-use pellucid_core::points::Points;
+use pellucid_core::cloud::Bounds;
 
 /// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
@@ -22,29 +23,32 @@ const MORE: f64 = 1.25;
 
 /// Returns the settings of a camera that looks a quarter farther around than the usual one, if the scene is clearly
 /// broader from there. `None` where the settings say anything of eye, target or view or tilt the picture, and of few
-/// points. Points that are clipped or hidden count as others do, so that slices of a scene have one camera, and the
-/// order of points doesn't matter.
-pub(super) fn broadest_side(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
+/// points. The order of points doesn't matter.
+pub(super) fn broadest_side(
+    settings: &CameraSettings,
+    framed: &Framed<'_>,
+    bounds: &Bounds,
+    vertical: Vertical,
+) -> Option<CameraSettings> {
     let CameraSettings { eye, target, up, view, .. } = settings;
-    let count = points.sampled().count();
+    let places = framed.sampled();
     // A view takes the vertical for the image's top, which a tilted `up` isn't.
     let is_tilted = up.is_some_and(|up| up.cross(vertical.up()).length() > 1e-9 * up.length());
-    if eye.is_some() || target.is_some() || is_tilted || view.is_given() || count < FEWEST {
+    if eye.is_some() || target.is_some() || is_tilted || view.is_given() || places.len() < FEWEST {
         return None;
     }
     let azimuth = View::default().azimuth_of(vertical);
     let sides = [0.0, 90.0].map(|more| View { azimuth: Some(azimuth + more), ..View::default() });
-    let covered = sides.map(|view| covered(points, count, view.axes(vertical)));
+    let covered = sides.map(|view| covered(&places, bounds, view.axes(vertical)));
     let is_broader = covered[1] as f64 > MORE * covered[0] as f64;
     is_broader.then(|| CameraSettings { view: sides[1], ..*settings })
 }
 
 /// The cells that points cover in a coarse picture along `forward` with this `up`.
-fn covered(points: &Points, count: usize, (forward, up): (DVec3, DVec3)) -> usize {
-    let Some(bounds) = points.bounds() else { return 0 };
+fn covered(places: &[DVec3], bounds: &Bounds, (forward, up): (DVec3, DVec3)) -> usize {
     let center = bounds.center();
     let half = bounds.corners().iter().map(|corner| (*corner - center).length()).fold(0.0, f64::max);
-    let side = ((count as f64 / POINTS_A_CELL).sqrt() as usize).clamp(CELLS[0], CELLS[1]);
+    let side = ((places.len() as f64 / POINTS_A_CELL).sqrt() as usize).clamp(CELLS[0], CELLS[1]);
     let [right, up] = [forward.cross(up), up].map(|axis| axis * (0.5 * side as f64 / half));
     let cell = |offset: f64| ((0.5 * side as f64 + offset) as usize).min(side - 1);
     let cover = |mut cells: Vec<bool>, position: &DVec3| {
@@ -54,7 +58,7 @@ fn covered(points: &Points, count: usize, (forward, up): (DVec3, DVec3)) -> usiz
     };
     let both = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a | b).collect();
     let nothing = || vec![false; side * side];
-    points.sampled().fold(nothing, cover).reduce(nothing, both).into_iter().filter(|covered| *covered).count()
+    places.par_iter().fold(nothing, cover).reduce(nothing, both).into_iter().filter(|covered| *covered).count()
 }
 
 #[cfg(test)]
@@ -67,7 +71,7 @@ mod tests {
 
     use super::*;
     use pellucid_core::cloud::UpAxis;
-    use pellucid_core::points::Unseen;
+    use pellucid_core::points::{Points, Unseen};
 
     fn random(place: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
         let mut random = Pcg64Mcg::seed_from_u64(4);
@@ -85,7 +89,8 @@ mod tests {
     }
 
     fn azimuth(settings: &CameraSettings, points: &Points) -> Option<f64> {
-        broadest_side(settings, points, Vertical::from(UpAxis::Z)).and_then(|found| found.view.azimuth)
+        let (framed, bounds) = (Framed::all(points), points.bounds()?);
+        broadest_side(settings, &framed, &bounds, Vertical::from(UpAxis::Z)).and_then(|found| found.view.azimuth)
     }
 
     #[test]

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::broadest_side::broadest_side;
 use super::error::Error;
+use super::framed::Framed;
 use super::range::MAX_COORDINATE;
 use super::scene::Scene;
 use super::settings::CameraSettings;
@@ -46,8 +47,9 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
 /// Returns the scene's settings of the camera, with what the points ask for where nothing is said.
 pub(super) fn automatic(scene: &Scene, points: &Points, up: UpAxis) -> CameraSettings {
     let vertical = scene.camera.vertical(up);
-    let inside = surroundings::inside(&scene.camera, points, vertical);
-    inside.or_else(|| broadest_side(&scene.camera, points, vertical)).unwrap_or(scene.camera)
+    let Some((framed, bounds)) = Framed::of(scene, points) else { return scene.camera };
+    let inside = surroundings::inside(&scene.camera, &framed, vertical);
+    inside.or_else(|| broadest_side(&scene.camera, &framed, &bounds, vertical)).unwrap_or(scene.camera)
 }
 
 /// Returns the camera of these settings in a scene, from outside if they don't say from where.
@@ -58,7 +60,9 @@ pub(super) fn camera_of(
     up: UpAxis,
 ) -> Result<(Camera, Vec<String>), Error> {
     let subject = subject(scene, points)?;
-    let Subject { bounds, radius, .. } = subject;
+    let Subject { radius, .. } = subject;
+    // A camera that stands where it was told to sees strays, too.
+    let bounds = if is_automatic(settings) { subject.bounds } else { subject.all };
     let vertical = settings.vertical(up);
     let settings = &with_height(settings, &subject, scene.image.size, vertical);
     let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, vertical);
@@ -68,7 +72,7 @@ pub(super) fn camera_of(
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
     };
     let (near, far) = (camera.near, camera.far);
-    if !is_usable(&camera) {
+    if !is_usable(&camera) || is_beyond(&bounds) {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
     let mut warnings = Vec::new();
@@ -102,17 +106,26 @@ pub(super) fn is_usable(&Camera { eye, near, far, .. }: &Camera) -> bool {
     eye.is_finite() && far.is_finite() && near > 0.0 && near < far
 }
 
+/// Returns `true` if settings leave it to the points where the camera stands.
+fn is_automatic(settings: &CameraSettings) -> bool {
+    settings.eye.is_none() || settings.view.is_given()
+}
+
+/// Returns `true` for a box that is too far away for a camera.
+fn is_beyond(Bounds { min, max }: &Bounds) -> bool {
+    min.abs().max(max.abs()).max_element() > MAX_COORDINATE
+}
+
 /// Returns the part of a scene to frame.
 pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
-    let Some(bounds) = points.bounds() else {
+    let (Some((framed, bounds)), Some(all)) = (Framed::of(scene, points), points.bounds()) else {
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
         return Err(Error::NoPoints { clouds: clouds.join(", "), hidden: 0 });
     };
-    let radius = points.largest_radius();
-    if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
+    if is_beyond(&bounds) {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
-    Ok(Subject { points, bounds, radius })
+    Ok(Subject { framed, bounds, all, radius: points.largest_radius() })
 }
 
 /// Returns the scene's lens.
@@ -144,7 +157,7 @@ pub(super) fn with_height(
     }
     let (forward, image_up, center) = direction(settings, subject, vertical);
     let [right, up] = image_axes(forward, image_up);
-    let extent = Spheres { points: subject.points, center, axes: [right, up, forward] }.extent(DVec2::ZERO);
+    let extent = Spheres { framed: subject.framed, center, axes: [right, up, forward] }.extent(DVec2::ZERO);
     CameraSettings { height: Some(height_of(&extent, is_centered(settings), size, subject)), ..*settings }
 }
 
@@ -186,8 +199,11 @@ fn image_axes(forward: DVec3, up: DVec3) -> [DVec3; 2] {
 
 /// The points to frame.
 pub(super) struct Subject<'a> {
-    pub points: &'a Points,
+    pub framed: Framed<'a>,
+    /// The box of these points.
     pub bounds: Bounds,
+    /// The box of all points.
+    pub all: Bounds,
     /// The largest one.
     pub radius: f64,
 }
@@ -234,7 +250,7 @@ fn framed(
     let center = target.unwrap_or_else(|| subject.bounds.center());
     let [right, up] = image_axes(forward, up);
     let tangents = tangents(projection, size);
-    let spheres = Spheres { points: subject.points, center, axes: [right, up, forward] };
+    let spheres = Spheres { framed: subject.framed, center, axes: [right, up, forward] };
     let extent = spheres.extent(tangents);
     let clear = clearance(subject, center, extent.nearest);
     let (distance, shift) = match (projection, target) {
@@ -277,7 +293,7 @@ pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f
 
 /// Points as spheres at (offset, depth) around a center.
 pub(super) struct Spheres<'a> {
-    pub points: &'a Points,
+    pub framed: Framed<'a>,
     pub center: DVec3,
     /// Right, up, forward.
     pub axes: [DVec3; 3],
@@ -285,8 +301,8 @@ pub(super) struct Spheres<'a> {
 
 impl Spheres<'_> {
     /// Offset, depth, radius.
-    fn iter(&self) -> impl IndexedParallelIterator<Item = (DVec2, f64, f64)> {
-        self.points.spheres().map(|(position, radius)| self.relative(position, radius))
+    pub fn iter(&self) -> impl ParallelIterator<Item = (DVec2, f64, f64)> {
+        self.framed.spheres().map(|(position, radius)| self.relative(position, radius))
     }
 
     fn extent(&self, tangents: DVec2) -> ViewExtent {
@@ -307,20 +323,20 @@ impl Spheres<'_> {
     /// Adds those groups of spheres to a state that may change it, where only some points are in memory: what changes
     /// most goes first. `with` adds a sphere, `gain` tells how much farther a state is than another one. What is
     /// farthest of a group is so at a corner of its box.
-    fn with_groups<S: Copy + Send + Sync>(
+    pub fn with_groups<S: Copy + Send + Sync>(
         &self,
         mut state: S,
         with: impl Fn(S, (DVec2, f64, f64)) -> S + Sync,
         gain: impl Fn(S, S) -> f64 + Sync,
     ) -> S {
-        let Some(whole) = &self.points.whole else { return state };
-        let (groups, rounding) = (whole.spheres.groups(), 1e-12 * whole.bounds.diagonal());
-        let mut left: Vec<usize> = (0..groups.len()).collect();
+        let groups: Vec<_> = self.framed.groups();
+        let mut left: Vec<usize> = (0..groups.len()).filter(|group| groups[*group].is_some()).collect();
         loop {
             let gain_of = |group: usize| {
-                let (Bounds { min, max }, radius) = groups[group];
-                let around = Bounds { min: min - rounding, max: max + rounding };
-                let corners = around.corners().into_iter().map(|corner| self.relative(corner, radius));
+                let around = groups[group]
+                    .into_iter()
+                    .flat_map(|(bounds, radius)| bounds.corners().map(|corner| (corner, radius)));
+                let corners = around.map(|(corner, radius)| self.relative(corner, radius));
                 (gain(state, corners.fold(state, &with)), group)
             };
             let mut gains: Vec<(f64, usize)> = parallel::gather(left.len(), |i| gain_of(left[i]));
@@ -330,7 +346,7 @@ impl Spheres<'_> {
             if gains.is_empty() {
                 return state;
             }
-            let spheres: Vec<_> = parallel::gather(gains.len(), |i| whole.spheres.of_group(gains[i].1));
+            let spheres: Vec<_> = parallel::gather(gains.len(), |i| self.framed.of_group(gains[i].1));
             let each = spheres.iter().flatten().map(|(position, radius)| self.relative(*position, *radius));
             state = each.fold(state, &with);
             left.retain(|group| gains.iter().all(|(_, done)| done != group));

@@ -15,6 +15,7 @@ mod coloring;
 mod covered;
 mod document;
 mod error;
+mod framed;
 mod framing;
 mod gaussians;
 mod keys;

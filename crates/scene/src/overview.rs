@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::covered::Pixels;
 use super::document::Document;
+use super::framed::Framed;
 use super::framing::camera;
 use super::overrides::Overrides;
 use super::scene::Scene;
@@ -63,7 +64,8 @@ fn automatic(cloud: &Cloud, points: &Points) -> Option<(Camera, [u32; 2], bool)>
     let scene: Scene = document.scene().ok()?;
     let (camera, _) = camera(&scene, points, cloud.up).ok()?;
     let vertical = scene.camera.vertical(cloud.up);
-    let inside = surroundings::inside(&scene.camera, points, vertical).is_some();
+    let framed = Framed::of(&scene, points).map(|(framed, _)| framed);
+    let inside = framed.is_some_and(|framed| surroundings::inside(&scene.camera, &framed, vertical).is_some());
     Some((camera, scene.image.size, inside))
 }
 

@@ -15,7 +15,7 @@ mod splats;
 mod strays;
 mod surfaces;
 
-pub use camera::CameraSettings;
+pub use camera::{CameraSettings, Frame};
 pub use classes::{ClassSettings, Selection};
 pub use clip::{Clip, ClipShape};
 pub(super) use cloud::FIELD_KEYS;

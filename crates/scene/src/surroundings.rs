@@ -2,8 +2,8 @@
 //! within, and notes say where a camera that was not given may be a wrong guess.
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
+use super::framed::Framed;
 use super::scene::Scene;
 use super::settings::{CameraSettings, ShadingModel};
 use super::view::Vertical;
@@ -51,14 +51,13 @@ struct PointSpread {
 }
 
 impl PointSpread {
-    /// Surroundings of all points, also of those that are clipped or hidden, so that slices of a scene have one camera.
-    /// `None` of few.
-    fn of(points: &Points, vertical: Vertical) -> Option<Self> {
-        if points.len() + points.unseen.positions.len() < FEWEST {
+    /// Surroundings of the points that are framed. `None` of few.
+    fn of(framed: &Framed<'_>, vertical: Vertical) -> Option<Self> {
+        if framed.len() < FEWEST {
             return None;
         }
         let axes = [vertical.right(), vertical.front(), vertical.up()];
-        let places: Vec<[f64; 3]> = points.sampled().map(|p| axes.map(|axis| p.dot(axis))).collect();
+        let places: Vec<[f64; 3]> = framed.sampled().iter().map(|p| axes.map(|axis| p.dot(axis))).collect();
         if places.is_empty() {
             return None;
         }
@@ -189,18 +188,19 @@ fn stand(spread: &PointSpread, plan: &FloorPlan) -> Option<DVec3> {
 /// Returns the settings of a camera within the points, if these surround the middle of the scene as those of a room do:
 /// floor and ceiling, and walls around. `None` where the settings say anything of eye, target, view, lens or depths,
 /// and of other scenes.
-pub(super) fn inside(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
+pub(super) fn inside(settings: &CameraSettings, framed: &Framed<'_>, vertical: Vertical) -> Option<CameraSettings> {
     if !may_be_inside(settings) {
         return None;
     }
-    let [eye, target] = PointSpread::of(points, vertical)?.within()?;
+    let [eye, target] = PointSpread::of(framed, vertical)?.within()?;
     let up = settings.up.unwrap_or(vertical.up());
     Some(CameraSettings { eye: Some(eye), target: Some(target), up: Some(up), ..*settings })
 }
 
 /// Returns `true` if the settings leave it open whether the camera stands within the points.
 fn may_be_inside(settings: &CameraSettings) -> bool {
-    *settings == CameraSettings { up: settings.up, fov_y: settings.fov_y, ..CameraSettings::default() }
+    let CameraSettings { up, fov_y, frame, .. } = *settings;
+    *settings == CameraSettings { up, fov_y, frame, ..CameraSettings::default() }
 }
 
 /// Returns notes about the camera that [`super::camera`] finds: that it stands within the points, that another axis may
@@ -209,7 +209,8 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let settings = &scene.camera;
     let vertical = settings.vertical(up);
     let mut notes = Vec::new();
-    let spread = if settings.eye.is_none() { PointSpread::of(points, vertical) } else { None };
+    let framed = Framed::of(scene, points).filter(|_| settings.eye.is_none()).map(|(framed, _)| framed);
+    let spread = framed.and_then(|framed| PointSpread::of(&framed, vertical));
     if may_be_inside(settings) && spread.as_ref().is_some_and(|spread| spread.within().is_some()) {
         notes.push(
             "the points surround the middle of the scene, as in a room, so the camera is placed inside; --view iso looks \
@@ -220,9 +221,24 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     if settings.up.is_none() {
         notes.extend(spread.and_then(|spread| flat_along_another(&spread, vertical)));
     }
+    notes.extend(framed.and_then(|framed| strays(&framed)));
     notes.extend(points.bounds().and_then(|bounds| in_degrees(&bounds)));
     notes.extend(in_the_background(scene, points));
     notes
+}
+
+/// Says that some points are out of the view because they lie far from the others.
+fn strays(framed: &Framed<'_>) -> Option<String> {
+    let count = match framed.strays() {
+        Some(0) => return None,
+        Some(1) => "1 point lies".to_owned(),
+        Some(count) => format!("{count} points lie"),
+        None => "some points lie".to_owned(),
+    };
+    Some(format!(
+        "{count} far from the others and may be out of view; `outliers = \"drop\"` of a cloud leaves such points out, \
+         `camera.frame = \"all\"` shows them"
+    ))
 }
 
 /// Says that X and Y may be degrees of longitude and latitude, where heights are meters: the scene is a needle then.
@@ -312,7 +328,7 @@ mod tests {
         let room = on_box(sides, 60_000, &mut rng);
         for turn in [0.0, 0.5] {
             let turned = room.iter().map(|p| glam::DQuat::from_rotation_z(turn) * *p).collect();
-            let camera = inside(&CameraSettings::default(), &scene_of(turned), z()).expect("a room");
+            let camera = inside(&CameraSettings::default(), &Framed::all(&scene_of(turned)), z()).expect("a room");
             let back = |p: DVec3| glam::DQuat::from_rotation_z(-turn) * p;
             for p in [camera.eye, camera.target] {
                 let p = back(p.unwrap());
@@ -326,7 +342,7 @@ mod tests {
             CameraSettings { ortho: true, ..CameraSettings::default() },
             CameraSettings { near: Some(0.1), ..CameraSettings::default() },
         ];
-        assert!(said.iter().all(|settings| inside(settings, &points, z()).is_none()));
+        assert!(said.iter().all(|settings| inside(settings, &Framed::all(&points), z()).is_none()));
     }
 
     #[test]
@@ -349,7 +365,7 @@ mod tests {
         for (name, positions) in
             [("ball", ball), ("forest", forest), ("ground", ground), ("flat", flat), ("no ceiling", open)]
         {
-            assert!(inside(&CameraSettings::default(), &scene_of(positions), z()).is_none(), "{name}");
+            assert!(inside(&CameraSettings::default(), &Framed::all(&scene_of(positions)), z()).is_none(), "{name}");
         }
     }
 

@@ -269,5 +269,8 @@ fn describe(path: &Path, points: u64, cloud: &Cloud, messages: &dyn Messages) {
     if cloud.non_finite > 0 {
         messages.warn(&format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }
+    if cloud.withheld > 0 {
+        messages.warn(&format_args!("{path}: {} points are marked as withheld and left out", cloud.withheld));
+    }
     cloud.warnings.iter().for_each(|warning| messages.warn(&format_args!("{path}: {warning}")));
 }

@@ -45,7 +45,7 @@ pub struct InfoArgs {
     outliers: bool,
     /// Print JSON.
     ///
-    /// {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command}.
+    /// {points, non_finite, withheld, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command}.
     /// `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a scalar to
     /// [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
     ///
@@ -127,13 +127,19 @@ fn attributes(cloud: &Cloud) -> Vec<&str> {
     usual.chain(cloud.scalars.iter().map(|(name, _)| name.as_str())).collect()
 }
 
+/// The number of points in the file.
+fn in_file(cloud: &Cloud) -> usize {
+    cloud.len() + cloud.non_finite + cloud.withheld
+}
+
 fn to_json(seen: &Seen) -> Value {
     let Seen { cloud, facts, outliers, .. } = seen;
     let classes: serde_json::Map<_, _> =
         facts.classes.iter().map(|(code, count)| (code.to_string(), (*count).into())).collect();
     let mut value = json!({
-        "points": cloud.len() + cloud.non_finite,
+        "points": in_file(cloud),
         "non_finite": cloud.non_finite,
+        "withheld": cloud.withheld,
         "bounds": cloud.bounds().map(|b| json!({ "min": b.min.to_array(), "max": b.max.to_array() })),
         "attributes": attributes(cloud),
         "classes": classes,
@@ -207,10 +213,13 @@ fn with_file(seen: &Seen) -> Value {
 
 fn to_text(seen: &Seen) -> String {
     let Seen { file, cloud, facts, outliers } = seen;
-    let mut text = format!("{}\n  points      {}", file.display(), cloud.len() + cloud.non_finite);
+    let mut text = format!("{}\n  points      {}", file.display(), in_file(cloud));
     // Writing to a string can't fail.
     if cloud.non_finite > 0 {
         let _ = write!(text, " ({} without finite coordinates)", cloud.non_finite);
+    }
+    if cloud.withheld > 0 {
+        let _ = write!(text, " ({} withheld)", cloud.withheld);
     }
     if let Some(bounds) = cloud.bounds() {
         let size = bounds.max - bounds.min;

@@ -97,6 +97,8 @@ pub struct Cloud {
     pub scalars: Vec<(String, Vec<f32>)>,
     /// Points that the file holds but that were dropped because a coordinate is not finite.
     pub non_finite: usize,
+    /// Points that the file marks as withheld (deleted), which were dropped.
+    pub withheld: usize,
     /// The file's vertical.
     pub up: UpAxis,
     /// Reason why it isn't the axis of the file's format, if its points alone say so: the end of a sentence.

@@ -37,6 +37,7 @@ impl Cloud {
             intensity: self.intensity.as_ref().map(|values| pick(values, places)),
             scalars: self.scalars.iter().map(|(name, values)| (name.clone(), pick(values, places))).collect(),
             non_finite: self.non_finite,
+            withheld: self.withheld,
             up: self.up,
             up_reason: self.up_reason,
             prepared,
@@ -77,6 +78,7 @@ impl Cloud {
             }
         }
         self.non_finite += more.non_finite;
+        self.withheld += more.withheld;
     }
 }
 

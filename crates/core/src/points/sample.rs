@@ -34,7 +34,7 @@ impl Spheres for Elsewhere {
         Vec::new()
     }
 
-    fn of_group(&self, _group: usize) -> Vec<(DVec3, f64)> {
+    fn of_group(&self, _group: usize, _drawn: bool) -> Vec<(DVec3, f64)> {
         Vec::new()
     }
 }

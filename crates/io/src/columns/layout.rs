@@ -2,9 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{ALPHA, COLOR, Column, FullScale, LINEAR_COLOR, NORMAL, POSITION, RADIUS};
+use super::{ALPHA, COLOR_PREFIXES, COLORS, Column, LINEAR_COLOR, NORMAL, POSITION, RADIUS};
 use crate::channel::Channel;
-use crate::columns::ScalarType;
 use pellucid_core::cloud::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
 
 /// The largest deviation of a normal's length from 1 that is left uncorrected: float32 unit vectors are within 2e-7.
@@ -26,7 +25,7 @@ pub(crate) struct RowLayout {
 
 impl RowLayout {
     /// Finds the columns of a table; fails with the coordinate that is missing.
-    pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
+    pub fn new(columns: &[Column]) -> Result<Self, &'static str> {
         let mut names = Names::new(columns);
         let coordinates = ["x", "y", "z"];
         let Some(position) = names.take_three(&POSITION) else {
@@ -35,14 +34,14 @@ impl RowLayout {
         };
         let normal = names.take_three(&NORMAL);
         let linear = names.take_three(&LINEAR_COLOR).map(|at| at.map(Channel::linear_float));
-        let is_measured = |at: &usize| full_scale == FullScale::Measured && columns[*at].kind != ScalarType::UChar;
         let channel = |at: usize| Channel::new(at, &columns[at].kind);
         let color = linear.or_else(|| {
-            let at = names.take_three(&COLOR)?;
-            Some(if at.iter().any(is_measured) { at.map(Channel::of_any_range) } else { at.map(channel) })
+            let channels = names.take_color()?.map(channel);
+            // Three channels have one range.
+            let measures = channels.iter().any(Channel::is_measured);
+            Some(if measures { channels.map(Channel::as_stored) } else { channels })
         });
-        let alpha = names.take(&ALPHA);
-        let alpha = alpha.map(|at| if is_measured(&at) { Channel::of_any_range(at) } else { channel(at) });
+        let alpha = names.take(&ALPHA).map(channel);
         let radius = names.take(&RADIUS);
         let class = names.take(&CLASSIFICATION_NAMES);
         let intensity = names.take(&INTENSITY_NAMES);
@@ -160,6 +159,13 @@ impl Names {
             self.lower[at] = None;
         }
         Some(at)
+    }
+
+    fn take_color(&mut self) -> Option<[usize; 3]> {
+        COLOR_PREFIXES.iter().find_map(|prefix| {
+            let of = |names: &[&str; 3]| names.map(|name| format!("{prefix}{name}"));
+            COLORS.iter().find_map(|names| self.take_three(&[of(names).each_ref().map(String::as_str)]))
+        })
     }
 
     fn rest(&self) -> impl Iterator<Item = usize> {

@@ -19,8 +19,9 @@ use pellucid_core::cloud::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
 const POSITION: [[&str; 3]; 1] = [["x", "y", "z"]];
 const NORMAL: [[&str; 3]; 3] =
     [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"], ["normalx", "normaly", "normalz"]];
-const COLOR: [[&str; 3]; 3] =
-    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+/// Names of colors, each perhaps behind one of [`COLOR_PREFIXES`]. CloudCompare writes `Rf Gf Bf`.
+const COLORS: [[&str; 3]; 3] = [["red", "green", "blue"], ["r", "g", "b"], ["rf", "gf", "bf"]];
+const COLOR_PREFIXES: [&str; 7] = ["", "diffuse_", "vertex_", "color_", "colour_", "f_", "scalar_"];
 /// Linear colors, which only files have that 16-bit sRGB would round.
 pub(super) const LINEAR_COLOR: [[&str; 3]; 1] = [["linear_red", "linear_green", "linear_blue"]];
 const ALPHA: [&str; 2] = ["alpha", "diffuse_alpha"];
@@ -38,15 +39,6 @@ impl Column {
     }
 }
 
-/// The source of the number that means full intensity in colors and alphas.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum FullScale {
-    /// The type: bytes reach 255, shorts 65535, floats 1.
-    Typed,
-    /// The values of the whole file, unless they are bytes.
-    Measured,
-}
-
 /// Columns that grow row by row.
 pub(super) struct Columns {
     layout: RowLayout,
@@ -55,8 +47,8 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Finds the columns of a table; fails with the coordinate that is missing.
-    pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
-        let layout = RowLayout::new(columns, full_scale)?;
+    pub fn new(columns: &[Column]) -> Result<Self, &'static str> {
+        let layout = RowLayout::new(columns)?;
         let table = PointTable::new(&layout, 0);
         Ok(Self { layout, table })
     }
@@ -64,6 +56,11 @@ impl Columns {
     /// Adds a vertex, or counts it if its position is not finite.
     pub fn push(&mut self, row: &[f64]) {
         self.table.push(&self.layout, row);
+    }
+
+    /// Returns the rows so far: colors and alphas as they are stored, unless they are bytes.
+    pub fn stored(&mut self) -> &mut Cloud {
+        &mut self.table.cloud
     }
 
     /// Returns the cloud, its vertical +Y. Normals that are all zero are dropped.
@@ -76,7 +73,9 @@ impl Columns {
 /// others.
 pub(crate) fn is_known(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let threes = POSITION.iter().chain(&NORMAL).chain(&COLOR).chain(&LINEAR_COLOR).flatten();
+    let threes = POSITION.iter().chain(&NORMAL).chain(&LINEAR_COLOR).flatten();
     let ones = ALPHA.iter().chain(&RADIUS).chain(&CLASSIFICATION_NAMES).chain(&INTENSITY_NAMES);
+    let is_color = |stem: &str| COLORS.iter().flatten().any(|known| *known == stem);
     threes.chain(ones).any(|known| *known == lower)
+        || COLOR_PREFIXES.iter().any(|prefix| lower.strip_prefix(prefix).is_some_and(is_color))
 }

@@ -34,7 +34,7 @@ pub(crate) struct TableFacts {
     pub directed: bool,
     /// All values of the classification are codes from 0 to 255.
     pub codes: bool,
-    /// The largest finite color and the largest finite alpha of columns whose range is that of their values.
+    /// The largest finite color, if its range is that of all, and the largest finite alpha.
     largest: [Option<f32>; 2],
 }
 
@@ -145,16 +145,15 @@ impl PointTable {
     /// Returns what these rows tell of all.
     pub fn whole(&self, layout: &RowLayout) -> TableFacts {
         let cloud = &self.cloud;
-        let [colors, alphas] = layout.measures();
+        let [colors, _] = layout.measures();
         let largest = |values: &[f32]| channel::largest(values.par_iter().copied());
         let largest_color = || largest(bytemuck::cast_slice(cloud.colors.as_deref().unwrap_or_default()));
-        let largest_alpha = || largest(cloud.alphas.as_deref().unwrap_or_default());
         let is_code = |code: &f32| (0.0..=255.0).contains(code) && code.fract() == 0.0;
         let classes = cloud.scalars.last().filter(|_| layout.classified);
         TableFacts {
             directed: cloud.normals.as_deref().unwrap_or_default().par_iter().any(|&n| n != Vec3::ZERO),
             codes: classes.is_none_or(|(_, values)| values.par_iter().all(is_code)),
-            largest: [colors.then(largest_color).flatten(), alphas.then(largest_alpha).flatten()],
+            largest: [colors.then(largest_color).flatten(), cloud.alphas.as_deref().and_then(largest)],
         }
     }
 
@@ -172,17 +171,38 @@ impl PointTable {
             let codes = cloud.scalars.pop();
             cloud.classification = codes.map(|(_, codes)| parallel::map_each(&codes, |&code| code as u8));
         }
-        let [colors, alphas] = layout.measures();
+        let [colors, measured_alphas] = layout.measures();
         if colors {
             let full = channel::full_scale(whole.largest[0]);
             cloud.colors = cloud.colors.zip(full).map(|(colors, full)| channel::measured(colors, full));
         }
-        if alphas {
-            let full = channel::full_scale(whole.largest[1]).unwrap_or(1.0);
-            cloud.alphas.iter_mut().flatten().for_each(|value| *value = channel::unit_or(1.0, *value / full));
+        if cloud.alphas.is_some() {
+            finish_alphas(&mut cloud, whole.largest[1], measured_alphas);
         }
         cloud.normals = cloud.normals.filter(|_| whole.directed);
         cloud
+    }
+}
+
+/// Alphas below this hide nearly everything.
+const FAINT: f32 = 0.05;
+
+/// Scales alphas whose range is that of all of them, of which this is the largest. Those that are 0 everywhere are no
+/// alphas: some writers leave the column empty.
+fn finish_alphas(cloud: &mut Cloud, largest: Option<f32>, are_measured: bool) {
+    let Some(full) = channel::full_scale(largest) else {
+        cloud.alphas = None;
+        cloud.warnings.push("alpha is 0 at every point and is ignored".to_owned());
+        return;
+    };
+    if are_measured {
+        cloud.alphas.iter_mut().flatten().for_each(|value| *value = channel::unit_or(1.0, *value / full));
+    }
+    let largest = largest.unwrap_or(full) / if are_measured { full } else { 1.0 };
+    if largest < FAINT {
+        cloud.warnings.push(format!(
+            "no alpha is above {largest:.2}, so the points hardly show; the column may be something else than alpha"
+        ));
     }
 }
 
@@ -198,12 +218,12 @@ fn compact<T: Copy>(column: &mut Vec<T>, run: usize, kept: &[usize]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Column, FullScale, RowBlock, ScalarType};
+    use super::super::{Column, RowBlock, ScalarType};
     use super::*;
 
     fn layout(names: &[&str]) -> RowLayout {
         let columns: Vec<Column> = names.iter().map(|name| Column::new(*name, ScalarType::Float)).collect();
-        RowLayout::new(&columns, FullScale::Measured).unwrap()
+        RowLayout::new(&columns).unwrap()
     }
 
     /// Rows filled in runs are those that are pushed one by one, and those that are not finite are in neither.

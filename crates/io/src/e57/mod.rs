@@ -2,11 +2,12 @@
 //!
 //! A scan's pose is applied to points and normals. Spherical coordinates become Cartesian ones where a point has no
 //! valid Cartesian ones; a point that is marked as invalid, or as a mere direction, is left out and counted. Colors and
-//! intensities are scaled from their limits to [0, 1], colors sRGB-encoded. The normals of the extension of that name
+//! intensities are scaled from their limits to [0, 1] where these hold (`limits`), colors sRGB-encoded. The normals of the extension of that name
 //! are normals; `rowIndex` and `columnIndex` are left out; every other number that all scans have is a column by its
 //! own name, as in `ply`. Where a scan lacks colors, normals or intensities that others have, its points are white,
 //! have no normal, or the intensity 0. Pictures are not read.
 
+mod limits;
 mod scan;
 
 use std::io::{Read, Seek};
@@ -14,7 +15,7 @@ use std::io::{Read, Seek};
 use ::e57::{E57Reader, PointCloud};
 use pellucid_core::progress::Progress;
 
-use super::columns::{Columns, FullScale};
+use super::columns::Columns;
 use super::number::long;
 use super::{Error, InputFile, PROGRESS_STEP, decoder};
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -101,13 +102,14 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
     check_claim(&numbers, &clouds, len)?;
     let table = ScanColumns::for_scans(&clouds);
     progress.set_length(clouds.iter().map(|cloud| cloud.records).sum());
-    let mut columns = Columns::new(&table.columns, FullScale::Typed)
+    let mut columns = Columns::new(&table.columns)
         .map_err(|missing| Problem::new("E57 data", format!("no coordinate `{missing}`")))?;
-    let mut row = Vec::new();
+    let (mut row, mut limits) = (Vec::new(), Vec::new());
     for (number, cloud) in numbers.iter().zip(&clouds) {
         let name = cloud.name.as_ref().map_or(String::new(), |name| format!(" ({name:?})"));
         let place = |index: u64| format!("scan {number}{name}, point {index} of {}", cloud.records);
         let scan = Scan::new(cloud, &table).map_err(|cause| Problem::new(format!("scan {number}{name}"), cause))?;
+        let first = columns.stored().len();
         let values = reader.pointcloud_raw(cloud).map_err(|e| Problem::library(place(0), &e))?;
         for (index, values) in (0u64..).zip(values) {
             let values = values.map_err(|e| Problem::library(place(index), &e))?;
@@ -117,7 +119,11 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
                 progress.inc(PROGRESS_STEP);
             }
         }
+        limits.push(scan.limits(first..columns.stored().len()));
     }
+    let stored = columns.stored();
+    stored.colors.iter_mut().for_each(|colors| limits::scale_colors(colors, &limits));
+    stored.intensity.iter_mut().for_each(|values| limits::scale_intensities(values, &limits));
     let mut cloud = columns.finish();
     cloud.up = UpAxis::Z;
     let left_out = |name| format!("`{name}` is left out: not every scan has it");

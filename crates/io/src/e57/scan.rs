@@ -1,10 +1,12 @@
 //! A single scan of an E57 file: maps its values to the rows of the cloud.
 
 use std::collections::HashSet;
+use std::ops::Range;
 
 use ::e57::{PointCloud, RecordDataType, RecordName, RecordValue};
 use glam::{DQuat, DVec3};
 
+use super::limits::{Limits, ScanLimits};
 use crate::columns::{Column, ScalarType, is_known};
 
 /// The columns that all scans share; the first ones are always there.
@@ -93,37 +95,6 @@ pub(super) fn bits(kind: &RecordDataType) -> u64 {
     }
 }
 
-/// The scaling of a value to [0, 1].
-#[derive(Clone, Copy)]
-struct Limits {
-    min: f64,
-    max: f64,
-}
-
-impl Limits {
-    /// The limits that a scan gives for a field, else those of its type; a float without any is meant to be in [0, 1].
-    fn from_range(given: Option<(&RecordValue, &RecordValue)>, kind: &RecordDataType) -> Self {
-        // A limit may be of another type than the values: a scaled one is one only if the values are.
-        let value = |value: &RecordValue| value.to_f64(kind).ok();
-        let given = given.and_then(|(min, max)| Some((value(min)?, value(max)?)));
-        let (min, max) = given.filter(|(min, max)| min < max).unwrap_or(match *kind {
-            RecordDataType::Single { min, max } => (min.unwrap_or(0.0).into(), max.unwrap_or(1.0).into()),
-            RecordDataType::Double { min, max } => (min.unwrap_or(0.0), max.unwrap_or(1.0)),
-            RecordDataType::Integer { min, max } => (min as f64, max as f64),
-            RecordDataType::ScaledInteger { min, max, scale, offset } => {
-                (min as f64 * scale + offset, max as f64 * scale + offset)
-            }
-        });
-        Self { min, max }
-    }
-
-    /// The value in [0, 1]; where the limits leave no room, 0.
-    fn scale(self, value: f64) -> f64 {
-        let scaled = (value - self.min) / (self.max - self.min);
-        if scaled.is_nan() { 0.0 } else { scaled.clamp(0.0, 1.0) }
-    }
-}
-
 /// A field of a scan: its place among the values and its type.
 type Field<'a> = (usize, &'a RecordDataType);
 
@@ -136,9 +107,11 @@ pub(super) struct Scan<'a> {
     spherical: Option<[Field<'a>; 3]>,
     spherical_state: Option<Field<'a>>,
     normal: Option<([Field<'a>; 3], usize)>,
-    color: Option<([(Field<'a>, Limits); 3], usize)>,
+    color: Option<([Field<'a>; 3], usize)>,
+    color_limits: Option<[Option<Limits>; 3]>,
     color_state: Option<Field<'a>>,
-    intensity: Option<(Field<'a>, Limits, usize)>,
+    intensity: Option<(Field<'a>, usize)>,
+    intensity_limits: Option<Option<Limits>>,
     intensity_state: Option<Field<'a>>,
     /// Fields and their columns.
     scalars: Vec<(Field<'a>, usize)>,
@@ -167,6 +140,8 @@ impl<'a> Scan<'a> {
             let name = scalar_name(&record.name)?;
             Some((at(index), first + table.scalars.iter().position(|known| *known == name)?))
         };
+        let color = three([RecordName::ColorRed, RecordName::ColorGreen, RecordName::ColorBlue]);
+        let intensity = find(&RecordName::Intensity);
         Ok(Self {
             rotation,
             translation,
@@ -175,13 +150,11 @@ impl<'a> Scan<'a> {
             spherical,
             spherical_state: find(&RecordName::SphericalInvalidState),
             normal: normal(scan).map(|fields| fields.map(at)).zip(table.normals),
-            color: three([RecordName::ColorRed, RecordName::ColorGreen, RecordName::ColorBlue])
-                .map(|fields| color_limits(scan, fields))
-                .zip(table.colors),
+            color: color.zip(table.colors),
+            color_limits: color.map(|fields| color_limits(scan, fields)),
             color_state: find(&RecordName::IsColorInvalid),
-            intensity: find(&RecordName::Intensity)
-                .zip(table.intensity)
-                .map(|(field, column)| (field, intensity_limits(scan, field), column)),
+            intensity: intensity.zip(table.intensity),
+            intensity_limits: intensity.map(|field| intensity_limits(scan, field)),
             intensity_state: find(&RecordName::IsIntensityInvalid),
             scalars: scan.prototype.iter().enumerate().filter_map(scalar).collect(),
             empty: empty(table),
@@ -210,17 +183,22 @@ impl<'a> Scan<'a> {
             set(row, column, (self.rotation * three(fields)?).to_array());
         }
         if let (Some((fields, column)), true) = (self.color, valid(self.color_state)?) {
-            for (i, (field, limits)) in fields.into_iter().enumerate() {
-                row[column + i] = limits.scale(value(field)?);
-            }
+            set(row, column, three(fields)?.to_array());
         }
-        if let (Some((field, limits, column)), true) = (self.intensity, valid(self.intensity_state)?) {
-            row[column] = limits.scale(value(field)?);
+        if let (Some((field, column)), true) = (self.intensity, valid(self.intensity_state)?) {
+            row[column] = value(field)?;
         }
         for &(field, column) in &self.scalars {
             row[column] = value(field)?;
         }
         Ok(())
+    }
+}
+
+impl Scan<'_> {
+    /// Returns the limits that the scan claims for its points.
+    pub fn limits(&self, points: Range<usize>) -> ScanLimits {
+        ScanLimits { points, color: self.color_limits, intensity: self.intensity_limits }
     }
 }
 
@@ -242,26 +220,25 @@ fn pose(scan: &PointCloud) -> Result<(DQuat, DVec3), String> {
     Ok((rotation / length, DVec3::new(t.x, t.y, t.z)))
 }
 
-fn color_limits<'a>(scan: &PointCloud, fields: [Field<'a>; 3]) -> [(Field<'a>, Limits); 3] {
+fn color_limits(scan: &PointCloud, fields: [Field; 3]) -> [Option<Limits>; 3] {
     let given = scan.color_limits.as_ref().map(|limits| {
         let red = limits.red_min.as_ref().zip(limits.red_max.as_ref());
         let green = limits.green_min.as_ref().zip(limits.green_max.as_ref());
         [red, green, limits.blue_min.as_ref().zip(limits.blue_max.as_ref())]
     });
     let given = given.unwrap_or_default();
-    [0, 1, 2].map(|i| (fields[i], Limits::from_range(given[i], fields[i].1)))
+    [0, 1, 2].map(|i| Limits::new(given[i], fields[i].1))
 }
 
-fn intensity_limits(scan: &PointCloud, (_, kind): Field) -> Limits {
+fn intensity_limits(scan: &PointCloud, (_, kind): Field) -> Option<Limits> {
     let given = scan.intensity_limits.as_ref();
-    Limits::from_range(given.and_then(|limits| limits.intensity_min.as_ref().zip(limits.intensity_max.as_ref())), kind)
+    Limits::new(given.and_then(|limits| limits.intensity_min.as_ref().zip(limits.intensity_max.as_ref())), kind)
 }
 
-/// No position, white, no normal, and intensity 0.
+/// No position, color and intensity, no normal.
 fn empty(table: &ScanColumns) -> Vec<f64> {
     let value = |column: &Column| match column.name.as_str() {
-        "x" | "y" | "z" => f64::NAN,
-        "red" | "green" | "blue" => 1.0,
+        "x" | "y" | "z" | "red" | "green" | "blue" | "intensity" => f64::NAN,
         _ => 0.0,
     };
     table.columns.iter().map(value).collect()

@@ -6,6 +6,7 @@ use las::PointDataBuilder;
 use super::header::LasHeader;
 use super::traits::Traits;
 use crate::LasColumns;
+use crate::channel::full_integer;
 use crate::columns::{taken, taken_optional};
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
 use pellucid_core::color::linear_values;
@@ -25,6 +26,10 @@ pub(crate) struct Columns {
     pub gps_time: Option<Vec<f64>>,
     pub extra: Vec<Vec<f32>>,
     pub non_finite: usize,
+    /// The places, among all records, of those that are marked as withheld, which are left out.
+    pub withheld: Vec<u64>,
+    /// Records so far.
+    pub records: u64,
 }
 
 impl Columns {
@@ -41,6 +46,8 @@ impl Columns {
             gps_time: (asked.gps_time && header.format.has_gps_time).then(Vec::new),
             extra: header.extra.iter().map(|_| Vec::new()).collect(),
             non_finite: 0,
+            withheld: Vec::new(),
+            records: 0,
         }
     }
 
@@ -60,8 +67,13 @@ impl Columns {
             .map_err(|e| e.to_string())?;
         let positions: Vec<DVec3> =
             data.x().zip(data.y()).zip(data.z()).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
-        let keep: Vec<bool> = positions.iter().map(|p| p.is_finite()).collect();
-        self.non_finite += keep.iter().filter(|&&keep| !keep).count();
+        let withheld = |at: &usize| header.is_withheld(&records[at * header.record_len..]);
+        let withheld: Vec<usize> = (0..positions.len()).filter(withheld).collect();
+        let mut keep: Vec<bool> = positions.iter().map(|p| p.is_finite()).collect();
+        withheld.iter().for_each(|&at| keep[at] = false);
+        self.non_finite += keep.iter().filter(|&&keep| !keep).count() - withheld.len();
+        self.withheld.extend(withheld.into_iter().map(|at| self.records + at as u64));
+        self.records += positions.len() as u64;
         extend(&mut self.positions, positions.into_iter(), &keep);
         extend(&mut self.intensity, data.intensity().map(f32::from), &keep);
         extend(&mut self.classification, data.classification(), &keep);
@@ -89,6 +101,12 @@ impl Columns {
     pub fn join(mut parts: Vec<Self>) -> Option<Self> {
         let extra = parts.first()?.extra.len();
         let parts = parts.as_mut_slice();
+        let mut records = 0;
+        let mut withheld = Vec::new();
+        for part in &*parts {
+            withheld.extend(part.withheld.iter().map(|at| records + at));
+            records += part.records;
+        }
         Some(Self {
             positions: taken(parts, |part| &mut part.positions),
             rgb: taken_optional(parts, |part| &mut part.rgb),
@@ -100,7 +118,15 @@ impl Columns {
             gps_time: taken_optional(parts, |part| &mut part.gps_time),
             extra: (0..extra).map(|at| taken(parts, |part| &mut part.extra[at])).collect(),
             non_finite: parts.iter().map(|part| part.non_finite).sum(),
+            withheld,
+            records,
         })
+    }
+
+    /// Returns the places of the points in a file, whose records follow this place.
+    pub fn places(&self, first: u64) -> impl Iterator<Item = u64> {
+        let mut withheld = self.withheld.iter().peekable();
+        (0..self.records).filter(move |at| withheld.next_if_eq(&at).is_none()).map(move |at| first + at)
     }
 
     /// Returns the box of the points; `None` if there are none.
@@ -142,6 +168,7 @@ impl Columns {
             classification: Some(self.classification),
             scalars,
             non_finite: self.non_finite,
+            withheld: self.withheld.len(),
             up: UpAxis::Z,
             ..Cloud::default()
         }
@@ -157,14 +184,14 @@ fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
     column.extend(new.zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| value));
 }
 
-/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if the largest value of
-/// the file is at most 255, they count as 8-bit, and others, which a store's description may have missed, as 255.
+/// Converts stored colors to linear ones. Many writers put values of 8, 10 or 12 bits into the 16-bit fields, so the
+/// largest of the file says how many they have; larger ones, which a store's description may have missed, count as that.
 /// Colors that are all zero are dropped.
 fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     if largest == 0 {
         return None;
     }
-    let full = if largest <= 255 { 255 } else { u16::MAX };
+    let full = full_integer(largest.into());
     let table = linear_values(full);
     let value = |stored: u16| table[usize::from(stored.min(full))];
     Some(parallel::map(rgb.len(), |i| Vec3::from(rgb[i].map(value))))

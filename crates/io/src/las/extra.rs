@@ -1,8 +1,6 @@
 //! Extra bytes: dimensions that a LAS file adds to its point records (LAS 1.4, table 24).
 
-use las::raw::Vlr;
-
-use super::header::user_id;
+use super::header::until_zero;
 use crate::number::NumberType;
 
 /// The kinds from 1 on.
@@ -31,16 +29,21 @@ pub(super) struct Dimension {
     kind: NumberType,
     scale: f64,
     shift: f64,
+    /// The stored number of points without a value.
+    no_data: Option<f64>,
+}
+
+/// Returns `true` for a record that describes extra bytes.
+pub(super) fn is_record(user: &[u8], id: u16) -> bool {
+    user == b"LASF_Spec" && id == 4
 }
 
 /// Returns the described scalar dimensions within the extra bytes. Arrays and undescribed bytes are skipped.
-pub(super) fn dimensions(vlrs: &[Vlr], extra_bytes: u16) -> Vec<Dimension> {
-    let Some(vlr) = vlrs.iter().find(|vlr| user_id(vlr) == b"LASF_Spec" && vlr.record_id == 4) else {
-        return Vec::new();
-    };
+/// `descriptors` are those of all records, one behind the other.
+pub(super) fn dimensions(descriptors: &[u8], extra_bytes: u16) -> Vec<Dimension> {
     let mut dimensions = Vec::new();
     let mut offset = 0;
-    for descriptor in vlr.data.chunks_exact(DESCRIPTOR) {
+    for descriptor in descriptors.chunks_exact(DESCRIPTOR) {
         let (kind, options) = (descriptor[2], descriptor[3]);
         // Kinds 11–30 are arrays of two and three; kind 0 is as many bytes as the options say.
         let bytes = match kind {
@@ -55,21 +58,36 @@ pub(super) fn dimensions(vlrs: &[Vlr], extra_bytes: u16) -> Vec<Dimension> {
             break;
         }
         if let Some(&kind) = usize::from(kind).checked_sub(1).and_then(|kind| KINDS.get(kind)) {
-            let name = descriptor[4..36].split(|&byte| byte == 0).next().unwrap_or_default();
+            let has = |bit: u8| options >> bit & 1 == 1;
             let option = |bit: u8, at: usize, default| {
-                if options >> bit & 1 == 1 { NumberType::Double.read(&descriptor[at..]) } else { default }
+                if has(bit) { NumberType::Double.read(&descriptor[at..]) } else { default }
             };
-            let name = String::from_utf8_lossy(name).trim().to_owned();
-            dimensions.push(Dimension { name, offset, kind, scale: option(3, 112, 1.0), shift: option(4, 136, 0.0) });
+            let name = String::from_utf8_lossy(until_zero(&descriptor[4..36])).trim().to_owned();
+            let (scale, shift) = (option(3, 112, 1.0), option(4, 136, 0.0));
+            let no_data = has(0).then(|| no_data(kind, &descriptor[40..]));
+            dimensions.push(Dimension { name, offset, kind, scale, shift, no_data });
         }
         offset += bytes;
     }
     dimensions
 }
 
+/// Returns the number that means "no value": it is stored in the widest type of the dimension's class.
+fn no_data(kind: NumberType, bytes: &[u8]) -> f64 {
+    use NumberType::{Float, Int8, Int16, Int32, Int64, Uint64};
+    match kind {
+        // Numbers of points are rounded to float32 as well.
+        Float => f64::from(NumberType::Double.read(bytes) as f32),
+        NumberType::Double => NumberType::Double.read(bytes),
+        Int8 | Int16 | Int32 | Int64 => Int64.read(bytes),
+        _ => Uint64.read(bytes),
+    }
+}
+
 impl Dimension {
-    /// Returns the value in the extra bytes of one point, scaled.
+    /// Returns the value in the extra bytes of one point, scaled; NaN if it has none.
     pub fn value(&self, extra: &[u8]) -> f32 {
-        (self.kind.read(&extra[self.offset..]) * self.scale + self.shift) as f32
+        let stored = self.kind.read(&extra[self.offset..]);
+        if self.no_data == Some(stored) { f32::NAN } else { (stored * self.scale + self.shift) as f32 }
     }
 }

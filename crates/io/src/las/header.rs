@@ -8,9 +8,13 @@ use las::raw;
 use las::{Transform, Vector};
 use laz::LazVlr;
 
+use super::evlrs::{self, LargeFields};
 use super::extra::{self, Dimension};
 use crate::{Error, InputFile, decoder};
 use pellucid_core::cloud::Bounds;
+
+/// The last known version is 1.5.
+const LAST_MINOR: u8 = 5;
 
 /// Bytes of a variable-length record before its data.
 const VLR_HEADER: u64 = 54;
@@ -28,6 +32,8 @@ pub(crate) struct LasHeader {
     pub transforms: Vector<Transform>,
     /// Byte at which the points start.
     pub start: u64,
+    /// Tells that a record is withheld: some bits of a byte; `None` in LAS 1.0, whose classes take the whole byte.
+    withheld: Option<(usize, u8)>,
     /// The compression of the points, if any.
     pub laz: Option<LazVlr>,
     /// The extra dimensions of a record.
@@ -36,6 +42,8 @@ pub(crate) struct LasHeader {
     pub bounds: Bounds,
     /// The record that makes a COPC file of it.
     pub copc: Option<Vec<u8>>,
+    /// Oddities of the header that did not prevent reading it.
+    pub warnings: Vec<String>,
 }
 
 impl LasHeader {
@@ -51,6 +59,11 @@ impl LasHeader {
     pub fn widened(&self, bounds: Bounds) -> Bounds {
         let step = DVec3::new(self.transforms.x.scale, self.transforms.y.scale, self.transforms.z.scale).abs();
         Bounds { min: bounds.min - step, max: bounds.max + step }
+    }
+
+    /// Returns `true` if a record is marked as withheld, which the standard calls "synonymous with deleted".
+    pub fn is_withheld(&self, record: &[u8]) -> bool {
+        self.withheld.is_some_and(|(byte, bits)| record.get(byte).is_some_and(|flags| flags & bits != 0))
     }
 
     /// Returns `true` if every coordinate that the points can store is finite.
@@ -72,23 +85,31 @@ pub(super) fn read(source: &mut InputFile) -> Result<LasHeader, Error> {
         Ok(Err(e)) => return Err(source.malformed("LAS header", e.to_string())),
         Err(panic) => return Err(source.malformed("LAS header", panic)),
     };
-    let large = raw.large_file.map_or(0, |large| large.number_of_point_records);
-    let count = if raw.number_of_point_records > 0 { raw.number_of_point_records.into() } else { large };
-    let start = u64::from(raw.offset_to_point_data);
-    if raw.version.major != 1 {
-        return Err(source.malformed("LAS header", format!("version {} (known: 1.0 to 1.4)", raw.version)));
+    if raw.version.major != 1 || raw.version.minor > LAST_MINOR {
+        return Err(source.malformed("LAS header", format!("version {} (known: 1.0 to 1.{LAST_MINOR})", raw.version)));
     }
+    let large = LargeFields::read(source, raw.version.minor)?;
+    let mut warnings = Vec::new();
+    let count = count(raw.number_of_point_records, large.points, &mut warnings);
+    let start = u64::from(raw.offset_to_point_data);
     if start > source.len {
         let len = source.len;
         return Err(source.truncated(format!("the points should start at byte {start}, but the file has {len} bytes")));
     }
     let format = format(source, &raw)?;
     let vlrs = vlrs(source, &raw)?;
+    let described: Vec<Vec<u8>> = vlrs
+        .iter()
+        .filter(|vlr| extra::is_record(user_id(vlr), vlr.record_id))
+        .map(|vlr| vlr.data.clone())
+        .chain(evlrs::extra_bytes(source, &large)?)
+        .collect();
     let laz = if format.is_compressed { Some(laz_vlr(source, &vlrs)?) } else { None };
     let header = LasHeader {
         count,
         record_len: raw.point_data_record_length.into(),
-        extra: extra::dimensions(&vlrs, format.extra_bytes),
+        extra: extra::dimensions(&described.concat(), format.extra_bytes),
+        withheld: (raw.version.minor > 0).then_some(if format.is_extended { (15, 1 << 2) } else { (15, 1 << 7) }),
         format,
         transforms: transforms(&raw),
         start,
@@ -98,9 +119,22 @@ pub(super) fn read(source: &mut InputFile) -> Result<LasHeader, Error> {
             max: DVec3::new(raw.max_x, raw.max_y, raw.max_z),
         },
         copc: vlrs.iter().find(is_copc).map(|vlr| vlr.data.clone()),
+        warnings,
     };
     check_claim(source, &header)?;
     Ok(header)
+}
+
+/// Returns the number of points. From LAS 1.4 on that is the 64-bit count, unless a writer left it empty; the 32-bit
+/// count is for older readers, and 0 where they could not read the points.
+fn count(legacy: u32, large: u64, warnings: &mut Vec<String>) -> u64 {
+    if large == 0 {
+        return legacy.into();
+    }
+    if legacy != 0 && u64::from(legacy) != large {
+        warnings.push(format!("its 32-bit count says {legacy} points, its 64-bit count {large}, which is used"));
+    }
+    large
 }
 
 fn format(source: &InputFile, raw: &raw::Header) -> Result<Format, Error> {
@@ -161,8 +195,13 @@ fn laz_vlr(source: &InputFile, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {
 }
 
 /// Returns the user of a record, without the zeros behind it.
-pub(super) fn user_id(vlr: &raw::Vlr) -> &[u8] {
-    vlr.user_id.split(|&byte| byte == 0).next().unwrap_or_default()
+fn user_id(vlr: &raw::Vlr) -> &[u8] {
+    until_zero(&vlr.user_id)
+}
+
+/// Returns the bytes of a text before the zeros behind it.
+pub(super) fn until_zero(text: &[u8]) -> &[u8] {
+    text.split(|&byte| byte == 0).next().unwrap_or_default()
 }
 
 /// Compares the claimed number of points with the available bytes.

@@ -1,10 +1,11 @@
-//! LAS 1.0–1.4 and LAZ files; a COPC file is a LAZ file whose chunks happen to form a tree (`store::copc`).
+//! LAS 1.0–1.5 and LAZ files; a COPC file is a LAZ file whose chunks happen to form a tree (`store::copc`).
 //!
 //! The libraries read headers and decompress; everything a file claims (records, counts, lengths) is compared with its
-//! size here first, since they allocate what is claimed. Extended variable-length records are not read.
+//! size here first, since they allocate what is claimed. Of extended variable-length records those are read that describe extra bytes.
 
 mod chunks;
 mod columns;
+mod evlrs;
 mod extra;
 mod header;
 mod times;
@@ -31,7 +32,8 @@ pub(super) fn read(source: InputFile, asked: LasColumns, progress: &Progress) ->
     let parts = parallel::try_map_each(&file.chunks, |chunk| file.decode(chunk, progress))?;
     let Some(columns) = Columns::join(parts) else { return Ok(Cloud::default()) };
     let traits = columns.traits();
-    Ok(file.finish(columns, &traits))
+    let cloud = file.finish(columns, &traits);
+    Ok(Cloud { warnings: file.header.warnings, ..cloud })
 }
 
 /// An open LAS or LAZ file, whose chunks are decoded by any number of threads.
@@ -59,7 +61,7 @@ impl LasFile {
     /// Returns the columns of a chunk, as they are stored.
     pub fn decode(&self, chunk: &Chunk, progress: &Progress) -> Result<Columns, Error> {
         let mut selection = self.decisive().decompress_z().decompress_intensity();
-        selection = selection.decompress_classification().decompress_flags().decompress_extra_bytes();
+        selection = selection.decompress_classification().decompress_extra_bytes();
         if self.asked.source {
             selection = selection.decompress_point_source_id();
         }
@@ -68,7 +70,7 @@ impl LasFile {
 
     /// The fields that decide about whole columns.
     fn decisive(&self) -> DecompressionSelection {
-        let selection = DecompressionSelection::base().decompress_rgb();
+        let selection = DecompressionSelection::base().decompress_rgb().decompress_flags();
         if self.asked.gps_time { selection.decompress_gps_time() } else { selection }
     }
 

@@ -1,6 +1,8 @@
 //! Facts that only all points of a LAS file tell together.
 
-/// Facts that decide about columns as a whole: whether colors have 8 bits or 16, whether returns are kept, when times
+use crate::channel::full_integer;
+
+/// Facts that decide about columns as a whole: how many bits colors have, whether returns are kept, when times
 /// begin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Traits {
@@ -29,7 +31,7 @@ impl Traits {
     /// Returns `true` if a file with these columns needs no second look: whatever its other points are changes no
     /// column.
     pub fn settle(&self, has_color: bool, has_times: bool, keeps_returns: bool) -> bool {
-        let colors = !has_color || self.largest_color > u16::from(u8::MAX);
+        let colors = !has_color || full_integer(self.largest_color.into()) == u16::MAX;
         let returns = keeps_returns || self.most_returns > 1;
         colors && returns && !has_times
     }

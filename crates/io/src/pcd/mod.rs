@@ -3,7 +3,7 @@
 //! Fields have the names of PLY's properties. `rgb` and `rgba` of four bytes are packed colors whatever their type,
 //! since the float only carries the bits. Colors of other types than bytes share a common range. A group of `COUNT`
 //! numbers becomes as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` is not applied, because it
-//! only tells where the points were seen from. An alpha that is 0 everywhere is dropped.
+//! only tells where the points were seen from.
 
 mod depth_image;
 mod header;
@@ -14,8 +14,8 @@ use std::io::{BufRead, ErrorKind, Read};
 
 use pellucid_core::progress::Progress;
 
-use super::columns::{Columns, FullScale};
-use super::number::{number, word};
+use super::columns::Columns;
+use super::number::word;
 use super::{Error, InputFile, PROGRESS_STEP};
 use depth_image::DepthImage;
 use header::{Encoding, Header};
@@ -36,7 +36,7 @@ pub(super) fn read(source: &mut InputFile, progress: &Progress) -> Result<Cloud,
     let header = header::read(source)?;
     check_claim(source, &header)?;
     let layout = PcdLayout::for_header(&header);
-    let mut columns = Columns::new(&layout.columns, FullScale::Measured).map_err(|missing| {
+    let mut columns = Columns::new(&layout.columns).map_err(|missing| {
         let names: Vec<_> = header.fields.iter().map(|field| field.name.as_str()).collect();
         source.malformed("header", format!("no field `{missing}`, only [{}]", names.join(", ")))
     })?;
@@ -62,7 +62,6 @@ pub(super) fn read(source: &mut InputFile, progress: &Progress) -> Result<Cloud,
     }
     progress.set_position(header.points);
     let mut cloud = columns.finish();
-    cloud.alphas = cloud.alphas.filter(|alphas| alphas.iter().any(|&alpha| alpha > 0.0));
     let is_image = image.is_some_and(|image| image.is_one()) || is_depth_camera(&cloud.positions);
     cloud.up = if is_image { UpAxis::NegativeY } else { UpAxis::Z };
     Ok(cloud)
@@ -118,7 +117,7 @@ fn ascii(
         if words.peek().is_none() {
             continue;
         }
-        layout.words(words, &mut row, number).map_err(|cause| {
+        layout.words(words, &mut row).map_err(|cause| {
             if text.ends_with('\n') {
                 return source.malformed(format!("line {at}"), cause);
             }

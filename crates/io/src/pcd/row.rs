@@ -2,6 +2,7 @@
 
 use super::header::{Field, Header};
 use crate::columns::{Column, ScalarType};
+use crate::number::number;
 
 /// The use of a field.
 enum Use {
@@ -57,12 +58,7 @@ impl<'a> PcdLayout<'a> {
     }
 
     /// Makes a row of the words of a point; fails with what is wrong with one of them.
-    pub fn words<'w>(
-        &self,
-        mut words: impl Iterator<Item = &'w str>,
-        row: &mut Vec<f64>,
-        number: impl Fn(&str) -> Option<f64>,
-    ) -> Result<(), String> {
+    pub fn words<'w>(&self, mut words: impl Iterator<Item = &'w str>, row: &mut Vec<f64>) -> Result<(), String> {
         row.clear();
         for (field, used) in &self.fields {
             for _ in 0..field.count {
@@ -96,11 +92,15 @@ fn usage(field: &Field) -> Use {
     }
 }
 
-/// A packed color in text: an integer, or the float whose bits it is.
+/// Opaque white, the color of points without one.
+const WHITE: u32 = u32::MAX;
+
+/// A packed color in text: an integer, or the float whose bits it is. A word for what is no number has lost the bits.
 fn packed(word: &str) -> Option<u32> {
     let signed = || word.parse::<i32>().ok().map(i32::cast_unsigned);
-    let float = || word.parse::<f32>().ok().map(f32::to_bits);
-    word.parse().ok().or_else(signed).or_else(float)
+    let float = |float: f32| if float.is_nan() { WHITE } else { float.to_bits() };
+    let special = || number(word).filter(|value| value.is_nan()).map(|_| WHITE);
+    word.parse().ok().or_else(signed).or_else(|| word.parse().ok().map(float)).or_else(special)
 }
 
 fn unpack([blue, green, red, alpha]: [u8; 4], has_alpha: bool, row: &mut Vec<f64>) {

@@ -4,10 +4,10 @@
 //!
 //! - position: `x y z`; any type, world units.
 //! - normal: `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz`; normalized.
-//! - color: `red green blue`, `r g b`, `diffuse_red diffuse_green diffuse_blue`; sRGB-encoded: `ushort` of 65535,
-//!   floats of 1 (as other tools write them), other integers of 255.
+//! - color: `red green blue`, `r g b`, `Rf Gf Bf`, also behind `diffuse_`, `vertex_`, `color_`, `f_`, `scalar_`;
+//!   sRGB-encoded: bytes of 255; other types of 1, 255, 1023, 4095 or 65535, by the largest value of the file.
 //! - color: `linear_red linear_green linear_blue`; linear.
-//! - alpha: `alpha`, `diffuse_alpha`; integers as colors; floats as they are.
+//! - alpha: `alpha`, `diffuse_alpha`; as colors, but not encoded; ignored if it is 0 everywhere.
 //! - radius: `radius`; negative and non-finite values count as 0.
 //! - classification: `classification`, `class`, `label`, and these after `scalar_`; integers in 0–255, else a scalar.
 //! - intensity: `intensity`, `scalar_intensity`; as stored.
@@ -30,7 +30,7 @@ mod write_splats;
 use pellucid_core::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
-use super::columns::{Column, FullScale, PointTable, RowLayout};
+use super::columns::{Column, PointTable, RowLayout};
 use super::{Error, InputFile, PROGRESS_STEP, memory};
 use compressed::Compressed;
 use header::{Element, PlyHeader, PlyType};
@@ -99,7 +99,7 @@ impl Vertices {
             return Ok((Self::Compressed(Box::new(Compressed::new(source, header, at))), comments));
         }
         let scalars = vertex.scalars();
-        let layout = RowLayout::new(&scalars, FullScale::Typed).map_err(|missing| Error::MissingProperty {
+        let layout = RowLayout::new(&scalars).map_err(|missing| Error::MissingProperty {
             path: source.path.clone(),
             missing,
             found: vertex.names(),

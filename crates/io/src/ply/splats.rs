@@ -8,7 +8,7 @@
 use glam::{DQuat, DVec3, Vec3};
 
 use super::rows::VertexRows;
-use crate::columns::{Column, FullScale, PointTable, RowLayout, ScalarType};
+use crate::columns::{Column, PointTable, RowLayout, ScalarType};
 use crate::splats::{Splat, Splats, from_coefficient};
 use crate::{Error, memory};
 use pellucid_core::cloud::filter::Filter;
@@ -100,7 +100,7 @@ fn layout(properties: &[Column], kept: &[usize]) -> Option<RowLayout> {
     let position = ["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double));
     let kept = kept.iter().map(|&at| Column::new(&properties[at].name, properties[at].kind.clone()));
     let columns: Vec<_> = position.into_iter().chain(kept).collect();
-    RowLayout::new(&columns, FullScale::Typed).ok()
+    RowLayout::new(&columns).ok()
 }
 
 /// Some splats, and what stays of their properties.

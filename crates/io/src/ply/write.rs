@@ -10,6 +10,7 @@ use ply_rs_bw::writer::Writer;
 use super::prepared::{self, FIELD, LIT};
 use super::write_splats;
 use crate::Error;
+use crate::channel::full_integer;
 use crate::columns::{LINEAR_COLOR, is_known};
 use pellucid_core::atomic;
 use pellucid_core::cloud::Cloud;
@@ -85,18 +86,26 @@ enum Coding {
 }
 
 impl Coding {
-    /// The smallest one from which all values come back exactly.
+    /// The smallest one from which all values come back exactly. Shorts that fewer bits would hold don't: their range
+    /// is found in the values (`channel`).
     fn narrowest(values: impl Iterator<Item = f32>, encode: fn(f32) -> f32, decode: fn(f32) -> f32) -> Self {
+        let mut largest = 0.0f32;
         let exact = |value: f32, largest: f32| {
             let stored = (encode(value) * largest).round().clamp(0.0, largest);
             decode(stored / largest).to_bits() == value.to_bits()
         };
-        values.fold(Self::Byte, |coding, value| match coding {
-            Self::Byte if exact(value, 255.0) => Self::Byte,
-            // 16 bits represent everything that 8 bits represent exactly, since 65535 = 257·255.
-            Self::Byte | Self::Short if exact(value, 65535.0) => Self::Short,
-            _ => Self::Float,
-        })
+        let coding =
+            values.inspect(|value| largest = largest.max(encode(*value))).fold(
+                Self::Byte,
+                |coding, value| match coding {
+                    Self::Byte if exact(value, 255.0) => Self::Byte,
+                    // 16 bits represent everything that 8 bits represent exactly, since 65535 = 257·255.
+                    Self::Byte | Self::Short if exact(value, 65535.0) => Self::Short,
+                    _ => Self::Float,
+                },
+            );
+        let is_told = full_integer((largest * 65535.0).round()) == u16::MAX;
+        if coding == Self::Short && !is_told { Self::Float } else { coding }
     }
 
     fn scalar(self) -> ScalarType {

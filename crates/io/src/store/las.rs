@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{Node, PIECE, Piece, Store, Summary};
 use crate::las::{Chunk, Columns, LasFile, Traits};
 use crate::{Error, InputFile, LasColumns};
-use pellucid_core::cloud::Bounds;
+use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
 
@@ -93,6 +93,7 @@ fn pieces(chunks: &[Chunk]) -> Vec<Range<usize>> {
 /// Returns what is known of the whole of a file.
 pub(super) fn summary(file: &LasFile, traits: &Traits, bounds: Bounds) -> Summary {
     let like = file.finish(Columns::new(&file.header, file.asked), traits);
+    let like = Cloud { warnings: file.header.warnings.clone(), ..like };
     let path = file.file.path().to_path_buf();
     Summary { path, points: file.header.count, bounds, up: like.up, ranges: Vec::new(), grid: Some(file.grid()), like }
 }
@@ -101,12 +102,13 @@ pub(super) fn summary(file: &LasFile, traits: &Traits, bounds: Bounds) -> Summar
 pub(super) fn read(file: &LasFile, chunks: &[Chunk], traits: &Traits, bounds: &Bounds) -> Result<Piece, Error> {
     let decode = |chunk: &Chunk| {
         let columns = file.decode(chunk, &Progress::hidden())?;
-        check_box(file, chunk, &columns, bounds).map(|()| columns)
+        check_box(file, chunk, &columns, bounds)?;
+        let places: Vec<u64> = columns.places(chunk.first_point).collect();
+        Ok((columns, places))
     };
-    let parts = parallel::try_map_each(chunks, decode)?;
+    let (parts, places): (Vec<_>, Vec<_>) = parallel::try_map_each(chunks, decode)?.into_iter().unzip();
     let cloud = Columns::join(parts).map(|columns| file.finish(columns, traits)).unwrap_or_default();
-    let places = chunks.iter().flat_map(|chunk| chunk.first_point..chunk.first_point + chunk.points).collect();
-    Ok(Piece { cloud, places })
+    Ok(Piece { cloud, places: places.concat() })
 }
 
 fn check_box(file: &LasFile, chunk: &Chunk, columns: &Columns, bounds: &Bounds) -> Result<(), Error> {

@@ -56,7 +56,8 @@ pub trait Store: Debug + Send + Sync {
     /// The nodes, parents before their children. Each point of the cloud is in one of them.
     fn nodes(&self) -> &[Node];
 
-    /// Reads the points of a node: as many as it says, all within its bounds. Splats that are none are left out.
+    /// Reads the points of a node: as many as it says, all within its bounds. Splats that are none and withheld points
+    /// are left out.
     ///
     /// # Errors
     /// The node can't be read, is damaged, or isn't as [`Self::nodes`] describes it.

@@ -27,7 +27,7 @@ pub fn whole(store: &dyn Store, progress: &Progress) -> Result<Cloud, Error> {
         cloud.append(piece.cloud);
         places.extend(piece.places);
     }
-    let left_out = summary.points.saturating_sub(places.len() as u64);
+    let left_out = summary.points.saturating_sub((places.len() + cloud.withheld) as u64);
     if left_out > 0 {
         cloud.warnings.push(splats::left_out(left_out));
     }

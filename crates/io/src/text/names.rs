@@ -74,6 +74,12 @@ fn canonical(name: &str) -> &str {
     }
 }
 
+/// Returns the columns of a PTS file by their number, if the values allow it: other programs write the same columns in
+/// another order.
+pub(super) fn of_pts(columns: usize, parts: &[Vec<f64>]) -> Option<Vec<String>> {
+    of_scanners(columns).filter(|_| columns < 6 || is_color(parts, columns, columns - 3))
+}
+
 /// Returns the columns of PTS and PTX files, by their number.
 pub(super) fn of_scanners(columns: usize) -> Option<Vec<String>> {
     let names: &[&str] = match columns {

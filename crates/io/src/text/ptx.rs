@@ -10,7 +10,7 @@ use pellucid_core::progress::Progress;
 use super::lines::{Fields, Lines};
 use super::names::{ColumnNames, UsedColumns, of_scanners};
 use super::table::LEAST_LINE;
-use crate::columns::{Columns, FullScale};
+use crate::columns::Columns;
 use crate::{Error, InputFile, PROGRESS_STEP};
 use pellucid_core::cloud::Cloud;
 
@@ -24,7 +24,7 @@ pub(super) fn read(source: &mut InputFile, given: Option<&ColumnNames>, progress
     let UsedColumns { columns, at } = UsedColumns::from_names(&names);
     let position = ["x", "y", "z"].map(|name| columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)));
     let [Some(x), Some(y), Some(z)] = position else { return Ok(Cloud::default()) };
-    let mut table = Columns::new(&columns, FullScale::Measured)
+    let mut table = Columns::new(&columns)
         .map_err(|missing| lines.source.malformed("columns", format!("no column `{missing}`")))?;
     let (mut line, mut values, mut row) = (String::new(), Vec::new(), Vec::new());
     let mut total = 0;

@@ -6,8 +6,8 @@ use pellucid_core::progress::Progress;
 
 use super::batch::Batch;
 use super::lines::{Delimiter, Fields, Lines, any_number, comment};
-use super::names::{ColumnNames, UsedColumns, by_values, of_scanners};
-use crate::columns::{self, FullScale};
+use super::names::{ColumnNames, UsedColumns, by_values, of_pts};
+use crate::columns;
 use crate::{Error, InputFile};
 use pellucid_core::cloud::Cloud;
 
@@ -234,7 +234,7 @@ struct Places {
 impl Places {
     fn new(lines: &Lines, names: &[String]) -> Result<Self, Error> {
         let UsedColumns { columns, at } = UsedColumns::from_names(names);
-        let layout = columns::RowLayout::new(&columns, FullScale::Measured)
+        let layout = columns::RowLayout::new(&columns)
             .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
         Ok(Self { layout, at })
     }
@@ -294,7 +294,7 @@ impl TextRows {
         if let Some(places) = self.places {
             return Ok(places.finish(self.tables));
         }
-        let names = if pts { of_scanners(columns) } else { None };
+        let names = if pts { of_pts(columns, &self.kept) } else { None };
         let places = Places::new(lines, &names.unwrap_or_else(|| by_values(columns, &self.kept)))?;
         // The values of each part are gone once they are in columns.
         let parts = self.kept.into_par_iter().map(|values| places.table(&values, columns));

@@ -4,6 +4,7 @@ mod bad;
 mod docs;
 mod e57;
 pub mod las;
+mod meant;
 mod octree;
 mod octree_bad;
 mod pcd;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::error::Error;
-use crate::schema::{Key, Range, SettingsField, Vectors, settings};
+use crate::schema::{Key, Range, SettingsField, Vectors, settings, words};
 use crate::table::Table;
 use crate::view::{Vertical, View};
 use pellucid_core::cloud::UpAxis;
@@ -29,10 +29,22 @@ settings! {
         near: Option<f64> = None, in Range::POSITIVE, unit "world units", without "in front of the scene";
         /// Farthest depth that is drawn, measured at the center of each point.
         far: Option<f64> = None, in Range::POSITIVE, unit "world units", without "behind the scene";
+        /// Points that an automatic camera shows.
+        frame: Frame = Frame::Drawn;
         /// The direction from which the scene is framed; no key sets it.
         view: View = View::default();
     }
     check agree;
+}
+
+words! {
+    /// `frame`.
+    pub enum Frame {
+        /// Points that are drawn, without the few that lie far from all others.
+        Drawn = "drawn",
+        /// All points, also those that a class hides or a clip cuts off.
+        All = "all",
+    }
 }
 
 impl CameraSettings {

@@ -357,9 +357,10 @@ impl Spheres for Nodes {
         self.blocks.iter().map(|block| (block.bounds, block.radius.into())).collect()
     }
 
-    fn of_group(&self, group: usize) -> Vec<(DVec3, f64)> {
+    fn of_group(&self, group: usize, drawn: bool) -> Vec<(DVec3, f64)> {
         let Ok(points) = self.part(group) else { return Vec::new() };
-        points.spheres().collect()
+        let most = if drawn { points.len() } else { usize::MAX };
+        points.spheres().take(most).collect()
     }
 }
 

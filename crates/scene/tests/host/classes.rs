@@ -86,7 +86,9 @@ fn hidden_points_are_not_drawn_but_count_for_everything_else() {
     let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(5.0, 0.0, 0.0) };
     assert_eq!((all.bounds(), shown.bounds()), (Some(bounds), Some(bounds)));
     let camera = |scene: &Scene, points: &Points| scene::camera(scene, points, UpAxis::Z).unwrap().0;
-    assert_eq!(camera(&whole, &all), camera(&rest, &shown));
+    let framed = scene_of(&format!("camera = {{ frame = 'all' }}\n{}", text(hide)), &Overrides::default());
+    assert_eq!(camera(&whole, &all), camera(&framed, &shown));
+    assert!(camera(&rest, &shown).far < camera(&whole, &all).far, "only what is drawn is framed");
     // Shown again by a later entry.
     let again = of(&format!("{hide}\n[[cloud.class]]\nscalar = 'dose'\nrange = [0, 0]\nvisible = true"));
     assert_eq!(assembled(&again).len(), 4);

@@ -42,6 +42,18 @@ fn a_stray_gets_a_radius_like_those_around_it() {
     assert_eq!(plain[..2000], capped[..2000]);
 }
 
+#[test]
+fn a_far_stray_hides_no_nearer_one() {
+    let grid = (0..2500).map(|i| DVec3::new(f64::from(i % 50), f64::from(i / 50), 0.0));
+    let near = [1.0, 2.0, 3.0, 4.0, 5.0].map(|i| DVec3::new(3000.0 * i, 0.0, 2000.0));
+    for far in [vec![], vec![DVec3::splat(1e8)], vec![DVec3::splat(f64::from(f32::MAX)), DVec3::splat(-1e12)]] {
+        let cloud: Vec<_> = grid.clone().chain(near).chain(far.iter().copied()).collect();
+        let found = marks(&cloud, 16, 3.0);
+        assert!(found[2500..].iter().all(|is_one| *is_one), "{far:?}");
+        assert_eq!(outliers::count(&found), 5 + far.len(), "{far:?}");
+    }
+}
+
 /// A chain by hand: K = 1, so that a radius is twice the distance, and the median of two radii their mean.
 #[test]
 fn caps_by_hand() {

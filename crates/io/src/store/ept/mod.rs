@@ -76,7 +76,7 @@ impl Ept {
         ept.traits = ept.survey()?;
         // The columns of all tiles are those of the first.
         let (columns, names) = ept.tile(0)?;
-        ept.summary.like = ept.finish(columns, &names).subset(&[]);
+        ept.summary.like = Cloud { withheld: 0, ..ept.finish(columns, &names).subset(&[]) };
         Ok(ept)
     }
 
@@ -131,7 +131,7 @@ impl Ept {
         let fail = |cause: String| {
             Err(Error::malformed(&tile_path(&self.folder, &self.metadata, self.keys[node]), "tile", cause))
         };
-        if cloud.len() as u64 != *points {
+        if (cloud.len() + cloud.withheld) as u64 != *points {
             return fail(format!(
                 "it has {} points with finite coordinates, but the hierarchy says {points}",
                 cloud.len()
@@ -143,7 +143,7 @@ impl Ept {
                 found.min, found.max, bounds.min, bounds.max
             ));
         }
-        let like = Cloud { warnings: self.summary.like.warnings.clone(), ..cloud.subset(&[]) };
+        let like = Cloud { warnings: self.summary.like.warnings.clone(), withheld: 0, ..cloud.subset(&[]) };
         if like != self.summary.like {
             return fail("its columns differ from those of the root's tile".to_owned());
         }
@@ -156,10 +156,10 @@ impl Store for Ept {
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let (columns, names) = self.tile(node)?;
+        let places = columns.places(self.first_places[node]).collect();
         let cloud = self.finish(columns, &names);
         self.check(node, &cloud)?;
-        let first = self.first_places[node];
-        Ok(Piece { cloud, places: (first..first + self.nodes[node].points).collect() })
+        Ok(Piece { cloud, places })
     }
 }
 

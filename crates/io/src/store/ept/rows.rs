@@ -9,21 +9,21 @@ use crate::{Error, InputFile, LasColumns, decoder};
 use pellucid_core::cloud::Cloud;
 
 /// Dimensions of LAS points that clouds have no columns for.
-const UNUSED: [&str; 13] = [
+const UNUSED: [&str; 10] = [
     "ScanAngleRank",
     "ScanAngle",
     "UserData",
     "ScanDirectionFlag",
     "EdgeOfFlightLine",
     "ScanChannel",
-    "ClassFlags",
-    "ClassificationFlags",
     "Synthetic",
     "KeyPoint",
-    "Withheld",
     "Overlap",
     "Infrared",
 ];
+
+/// The bit of a point's flags that says that it is withheld (LAS 1.4, table 16).
+const WITHHELD: u8 = 1 << 2;
 
 /// Bytes of points that one compressed byte stands for, at most: coordinates don't repeat.
 pub(super) const MOST_FOR_ONE: u64 = 1000;
@@ -40,6 +40,8 @@ pub(super) struct EptRows {
     returns: Option<[Number; 2]>,
     source: Option<Number>,
     gps_time: Option<Number>,
+    /// Numbers that tell that a point is withheld, each with the bits that do.
+    withheld: Vec<(Number, u8)>,
     extra: Vec<(String, Number)>,
 }
 
@@ -80,9 +82,11 @@ impl EptRows {
         let returns = take("ReturnNumber").zip(take("NumberOfReturns")).map(|(number, of)| [number, of]);
         let (intensity, classification) = (take("Intensity"), take("Classification"));
         let (source, gps_time) = (take("PointSourceId"), take("GpsTime"));
+        let flags = [("Withheld", u8::MAX), ("ClassFlags", WITHHELD), ("ClassificationFlags", WITHHELD)];
+        let withheld = flags.into_iter().filter_map(|(name, bits)| Some((take(name)?, bits))).collect();
         let extra = numbers.into_iter().filter(|(name, _)| !UNUSED.contains(&&**name)).collect();
         let position = [x, y, z];
-        Ok(Self { len, position, color, intensity, classification, returns, source, gps_time, extra })
+        Ok(Self { len, position, color, intensity, classification, returns, source, gps_time, withheld, extra })
     }
 
     /// Returns the number of bytes of a point.
@@ -115,7 +119,11 @@ impl EptRows {
                 self.len
             )));
         }
-        let rows = || bytes.chunks_exact(self.len);
+        let records = (bytes.len() / self.len) as u64;
+        let is_withheld = |row: &[u8]| self.withheld.iter().any(|(flags, bits)| flags.of(row) as u8 & bits != 0);
+        let withheld: Vec<u64> =
+            (0u64..).zip(bytes.chunks_exact(self.len)).filter(|(_, row)| is_withheld(row)).map(|(at, _)| at).collect();
+        let rows = || bytes.chunks_exact(self.len).filter(|row| withheld.is_empty() || !is_withheld(row));
         let positions: Vec<DVec3> =
             rows().map(|row| DVec3::from(self.position.each_ref().map(|number| number.of(row)))).collect();
         if let Some(at) = positions.iter().position(|position| !position.is_finite()) {
@@ -141,6 +149,8 @@ impl EptRows {
             extra: self.extra.iter().map(|(_, number)| float(number)).collect(),
             positions,
             non_finite: 0,
+            withheld: withheld.clone(),
+            records,
         };
         Ok((columns, self.extra.iter().map(|(name, _)| name.clone()).collect()))
     }

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::attributes::{Attribute, AttributeLayout, NumberType, Role};
-use crate::channel::unit_or;
+use crate::channel::{full_integer, unit_or};
 use crate::columns::unit_or_zero;
 use crate::number::{at, word};
 use crate::store::Grid;
@@ -14,9 +14,6 @@ use pellucid_core::color::linear_values;
 /// Largest difference of the square of a quaternion's length from 1. Those of our own stores are as close as float32
 /// allows.
 const UNIT: f64 = 1e-5;
-
-/// Largest value of colors that have 8 bits.
-const BYTE: u16 = 255;
 
 /// Decoder that turns records into clouds.
 #[derive(Debug)]
@@ -180,6 +177,18 @@ pub(super) fn splats_of(cloud: &Cloud) -> Option<Vec<u32>> {
     Some((0..splats.len() as u32).filter(|at| splats.is_one(*at as usize)).collect())
 }
 
+/// The scalar of a LAS point's flags, as PotreeConverter calls it, and the one of them that says that it is withheld.
+const FLAGS: (&str, u8) = ("classification flags", 1 << 2);
+
+/// Returns those of the points of another program's octree that are not withheld, if some are.
+pub(super) fn not_withheld(cloud: &Cloud) -> Option<Vec<u32>> {
+    let (name, bits) = FLAGS;
+    let (_, flags) = cloud.scalars.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
+    let is_withheld = |flags: &f32| *flags as u8 & bits != 0;
+    let kept = || (0u32..).zip(flags).filter(|(_, flags)| !is_withheld(flags)).map(|(at, _)| at).collect();
+    flags.iter().any(is_withheld).then(kept)
+}
+
 /// The first float32 numbers of some bytes, of which there are enough.
 fn singles<const N: usize>(bytes: &[u8]) -> [f32; N] {
     std::array::from_fn(|i| f32::from_le_bytes(at(bytes, 4 * i)))
@@ -234,13 +243,13 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// Returns the channel of full intensity in colors of others: 255 if no channel is above, as in LAS files; `None` if
-/// all are 0.
+/// Returns the channel of full intensity in colors of others: that of the fewest bits that hold the largest, as in LAS
+/// files; `None` if all are 0.
 pub(super) fn full_scale(kind: NumberType, largest: Option<f64>) -> Option<u16> {
     match largest {
         Some(largest) if largest <= 0.0 => None,
-        Some(largest) if largest <= f64::from(BYTE) => Some(BYTE),
-        _ if kind == NumberType::Uint8 => Some(BYTE),
-        _ => Some(u16::MAX),
+        _ if kind == NumberType::Uint8 => Some(u8::MAX.into()),
+        Some(largest) => Some(full_integer(largest as f32)),
+        None => Some(u16::MAX),
     }
 }

@@ -9,7 +9,8 @@
 //!   `linear_blue`.
 //! - normal: `NormalX`, `NormalY`, `NormalZ`, or `normal`.
 //! - intensity, classification, alpha, radius: the same names.
-//! - scalars: all others of one number; `gps-time` counts from the first.
+//! - scalars: all others of one number; `gps-time` counts from the first. Points that PotreeConverter's `classification
+//!   flags` mark as withheld are left out.
 //! - Gaussian: of `pellucid prepare`: `extents`, `rotation`, `base`, `harmonics`, and `exact_position` where the grid
 //!   rounds.
 //!
@@ -32,7 +33,7 @@ use super::{Node, Piece, Store, StoreSurvey, Summary};
 use crate::{Error, InputFile, SharedFile};
 use attributes::Role;
 pub(crate) use decode::integers;
-use decode::{Decoder, full_scale, splats_of};
+use decode::{Decoder, full_scale, not_withheld, splats_of};
 use hierarchy::Listed;
 use metadata::{Checked, METADATA};
 use nodes::{NODES, NodeExtent};
@@ -117,9 +118,11 @@ impl Octree {
         let about = &self.nodes[node];
         let mut cloud = self.decoder.cloud(records);
         let mut places = self.decoder.places(records, self.first_point(node));
-        if let Some(splats) = splats_of(&cloud) {
-            cloud = cloud.subset(&splats);
-            places = splats.iter().map(|at| places[*at as usize]).collect();
+        let kept = if self.is_ours { splats_of(&cloud) } else { not_withheld(&cloud) };
+        if let Some(kept) = kept {
+            let withheld = if self.is_ours { 0 } else { cloud.len() - kept.len() };
+            cloud = Cloud { withheld, ..cloud.subset(&kept) };
+            places = kept.iter().map(|at| places[*at as usize]).collect();
         }
         (cloud.up, cloud.filter) = (self.summary.up, self.summary.like.filter);
         let Bounds { min, max } = about.bounds;

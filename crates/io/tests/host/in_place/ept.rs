@@ -12,7 +12,7 @@ use tempfile::{TempDir, tempdir};
 
 use super::make_ept::{Tiles, make};
 use super::{ALL, files, joined, load, middle};
-use crate::io::las::sample;
+use crate::io::las::{sample, with_withheld};
 
 /// Each point with all that belongs to it, in the order of these bits.
 fn sorted(cloud: &Cloud) -> Vec<Vec<u64>> {
@@ -28,6 +28,22 @@ fn sorted(cloud: &Cloud) -> Vec<Vec<u64>> {
     let mut rows: Vec<_> = (0..cloud.len()).map(row).collect();
     rows.sort_unstable();
     rows
+}
+
+#[test]
+fn withheld_points_are_left_out_of_every_tile() {
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("from.las");
+    std::fs::write(&file, with_withheld(2, 3, false, 900)).unwrap();
+    let wanted = load(&file, LasColumns::default()).unwrap();
+    for (tiles, statistics) in [(Tiles::Laszip, true), (Tiles::Binary, false), (Tiles::Zstandard, true)] {
+        let path = folder.path().join("ept");
+        make(&path, &file, tiles, statistics);
+        let cloud = joined(&Ept::open(&path, LasColumns::default()).unwrap());
+        assert!(sorted(&cloud) == sorted(&wanted));
+        assert_eq!((cloud.len(), cloud.withheld), (720, 180));
+        std::fs::remove_dir_all(path).unwrap();
+    }
 }
 
 /// A folder of the points of a made LAS file, and the file.
@@ -80,7 +96,7 @@ fn spacing_boxes_and_ranges_are_those_of_the_description() {
     assert!(root.bounds.holds(&middle(&load(&file, ALL).unwrap().bounds().unwrap())));
     let range = |name: &str| store.summary().ranges.iter().find(|(known, _)| known == name).unwrap().1;
     assert_eq!((range("number_of_returns"), range("gps_time")), ([2.0, 2.0], [0.0, 899.0]));
-    assert_eq!(store.nodes().iter().map(|node| node.bytes).sum::<u64>(), 900 * (12 + 11 + 8 + 6));
+    assert_eq!(store.nodes().iter().map(|node| node.bytes).sum::<u64>(), 900 * (12 + 12 + 8 + 6));
 }
 
 fn description(folder: &Path) -> Value {

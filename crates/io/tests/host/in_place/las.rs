@@ -5,7 +5,7 @@ use pellucid_io::store::{LasPieces, Store};
 use tempfile::tempdir;
 
 use super::{ALL, assert_same, files, joined, load};
-use crate::io::las::{builder, point, sample, write};
+use crate::io::las::{builder, point, sample, with_withheld, write};
 
 #[test]
 fn the_pieces_of_every_file_are_the_file() {
@@ -26,6 +26,21 @@ fn the_pieces_of_every_file_are_the_file() {
         }
     }
     assert!(count >= 20, "{count} files");
+}
+
+#[test]
+fn withheld_points_are_left_out_of_every_piece() {
+    let folder = tempdir().unwrap();
+    for (minor, format, compressed) in [(2, 1, false), (4, 6, true)] {
+        let path = folder.path().join("any.laz");
+        std::fs::write(&path, with_withheld(minor, format, compressed, 60_000)).unwrap();
+        let store = LasPieces::open(&path, ALL).unwrap();
+        let cloud = joined(&store);
+        assert_same(&cloud, &load(&path, ALL).unwrap(), "as in memory");
+        assert_eq!((cloud.len(), cloud.withheld), (48_000, 12_000));
+        // Places are those of the file, so that points keep their numbers.
+        assert_eq!(store.read(0).unwrap().places[..4], [1, 2, 3, 4]);
+    }
 }
 
 /// A file whose header has this box: minima and maxima of x, y and z.

@@ -106,6 +106,7 @@ fn dimensions(header: &Header) -> Vec<Dimension> {
         ("ScanAngleRank", "float", 4, |p| p.scan_angle.into()),
         ("Classification", "unsigned", 1, |p| u8::from(p.classification).into()),
         ("PointSourceId", "unsigned", 2, |p| p.point_source_id.into()),
+        ("Withheld", "unsigned", 1, |p| p.is_withheld.into()),
     ];
     if format.has_gps_time {
         all.push(("GpsTime", "float", 8, |p| p.gps_time.unwrap_or_default()));

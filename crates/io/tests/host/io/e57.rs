@@ -129,15 +129,18 @@ fn colors_intensities_and_other_fields() {
     let colors = cloud.colors.unwrap();
     assert_eq!(colors[0], Vec3::new(1.0, 0.0, decode_srgb(341.0 / 1023.0)));
     assert_eq!(colors[1], Vec3::ONE, "invalid: as white as points without color");
-    // (v − min) / (max − min), clamped.
-    assert_eq!(cloud.intensity.unwrap(), [0.25, 1.0]);
+    // 9 is outside of [-1, 3], so these limits are false.
+    assert_eq!(cloud.intensity.unwrap(), [0.0, 9.0]);
     assert_eq!(cloud.classification.unwrap(), [6, 6]);
     let normal = cloud.normals.unwrap()[0];
     assert!(normal.distance(Vec3::Y) < 1e-6, "turned with the scan, and made unit: {normal}");
     assert_eq!(cloud.scalars, [("timeStamp".to_owned(), vec![2.0, 2.0])]);
     // Limits of the scan win over those of the type.
+    let cloud = load_bytes("a.e57", file("2046")).unwrap();
+    assert_eq!(cloud.colors.unwrap()[0], Vec3::new(decode_srgb(0.5), 0.0, decode_srgb(341.0 / 2046.0)));
+    // But not if colors exceed them.
     let cloud = load_bytes("a.e57", file("682")).unwrap();
-    assert_eq!(cloud.colors.unwrap()[0], Vec3::new(1.0, 0.0, decode_srgb(0.5)));
+    assert_eq!(cloud.colors.unwrap()[0], Vec3::new(1.0, 0.0, decode_srgb(341.0 / 1023.0)));
 
     // Beside a scan that has nothing: white, no normal, 0; and scalars are left out.
     let cloud = load_bytes("a.e57", write(vec![plain([[9.0, 9.0, 9.0]]), scan])).unwrap();

@@ -60,6 +60,14 @@ pub fn sample(minor: u8, format: u8, compressed: bool, count: u16) -> Vec<u8> {
     write(builder, (0..count).map(|index| point(&format, index)))
 }
 
+/// A file of which every fifth point, from the first on, is withheld.
+pub fn with_withheld(minor: u8, format: u8, compressed: bool, count: u16) -> Vec<u8> {
+    let builder = builder(minor, format, compressed);
+    let format = builder.point_format;
+    let marked = |index: u16| Point { is_withheld: index.is_multiple_of(5), ..point(&format, index) };
+    write(builder, (0..count).map(marked))
+}
+
 #[test]
 fn versions_and_point_formats() {
     let kinds = [(0, 0), (1, 1), (2, 0), (2, 1), (2, 2), (2, 3), (3, 3), (4, 3), (4, 6), (4, 7), (4, 8)];

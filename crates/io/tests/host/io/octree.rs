@@ -11,7 +11,7 @@ use pellucid_core::cloud::{Bounds, Cloud, Prepared, UpAxis};
 use pellucid_core::color::decode_srgb;
 use pellucid_core::progress::{Observer, Progress};
 use pellucid_io::store::build::{Built, Settings, build};
-use pellucid_io::store::{Grid, MemoryStore, Node, Octree, Piece, Store, Summary, open};
+use pellucid_io::store::{Grid, MemoryStore, Node, Octree, Piece, Store, Summary, open, whole};
 use pellucid_io::{Error, Hints};
 use pellucid_testing_host::{root, whole_clouds};
 use rand::{RngExt, SeedableRng};
@@ -387,4 +387,17 @@ fn octrees_of_potree_are_read() {
     assert_eq!(file.summary().points, 7);
     let input = open(&path, Hints::default(), &Progress::hidden()).unwrap();
     assert_eq!(input.summary().points, 7);
+}
+
+#[test]
+fn withheld_points_of_potree_are_left_out() {
+    // Each point's flags are its number: 4, 5 and 6 have the bit of withheld points.
+    let (_folder, path) = foreign(|metadata| metadata["attributes"][3]["name"] = "classification flags".into());
+    let octree = Octree::open(&path).unwrap();
+    let pieces = [0, 1].map(|node| octree.read(node).unwrap());
+    let places: Vec<u64> = pieces.iter().flat_map(|piece| piece.places.clone()).collect();
+    assert_eq!(places, [0, 1, 2, 3]);
+    assert_eq!(pieces.iter().map(|piece| piece.cloud.withheld).sum::<usize>(), 3);
+    let cloud = whole(&octree, &Progress::hidden()).unwrap();
+    assert_eq!((cloud.len(), cloud.withheld, cloud.warnings), (4, 3, vec![]));
 }

@@ -140,7 +140,7 @@ fn color_types() {
     };
     let wanted = Vec3::new(0.0, decode_srgb(0.2), 1.0);
     assert_eq!(color("uchar", "0 51 255"), wanted);
-    assert_eq!(color("int", "-4 51 300"), wanted);
+    assert_eq!(color("int", "-4 51 255"), wanted);
     assert_eq!(color("ushort", "0 13107 65535"), wanted);
     assert_eq!(color("float", "-1 0.2 1.5"), wanted);
     assert_eq!(color("double", "nan 0.2 inf"), wanted);
