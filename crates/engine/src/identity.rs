@@ -66,6 +66,10 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         add(bytemuck::cast_slice(&gaussians.rotations));
         add(bytemuck::cast_slice(&gaussians.bases));
         add(bytemuck::cast_slice(&gaussians.harmonics));
+        if gaussians.may_be_linear() {
+            let linear: Vec<u8> = (0..gaussians.len()).map(|splat| gaussians.is_linear(splat).into()).collect();
+            add(&linear);
+        }
     }
     if let Some(whole) = whole {
         add(whole.identity.as_bytes());

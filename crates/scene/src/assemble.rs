@@ -73,7 +73,9 @@ pub fn notes(scene: &Scene, clouds: &[impl Borrow<Cloud>], needs_radii: bool) ->
         let mut request = request(scene, settings, needs_radii, scene.method.needs_field());
         request.forgo_shapes(gaussians::are_drawn(scene, settings, cloud));
         let notes = request.notes(cloud);
-        let idle = [classes::note(settings, cloud), coloring::note(settings, cloud), upright_note(scene, cloud)];
+        let filter = gaussians::filter_note(scene, settings, cloud);
+        let idle =
+            [classes::note(settings, cloud), coloring::note(settings, cloud), upright_note(scene, cloud), filter];
         let idle = idle.into_iter().flatten();
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };

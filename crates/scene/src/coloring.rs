@@ -44,6 +44,8 @@ impl Choice {
             return choice(by.clone(), false, "it was asked for");
         }
         let lacks = match &cloud.colors {
+            // Those are what the splats were trained for, and harmonics change them.
+            Some(_) if cloud.gaussians.is_some() => return choice(ColorBy::Rgb, false, "the splats have colors"),
             Some(colors) if !facts.map_or_else(|| is_blank(colors), Facts::is_blank) => {
                 return choice(ColorBy::Rgb, false, "the file has colors");
             }

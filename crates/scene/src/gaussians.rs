@@ -3,8 +3,9 @@
 use glam::Vec3;
 
 use super::scene::Scene;
-use super::settings::CloudSettings;
+use super::settings::{CloudSettings, Kernel};
 use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::{self, Gaussians};
 use pellucid_core::color::encode_srgb_f64;
 use pellucid_core::parallel;
@@ -12,6 +13,19 @@ use pellucid_core::parallel;
 /// Returns `true` if a cloud's points are drawn as the Gaussians that its file has.
 pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> bool {
     cloud.gaussians.is_some() && scene.draws_gaussians(settings)
+}
+
+/// Says that a cloud's Gaussians were trained with a filter on the image that the scene lacks, unless it says so itself.
+pub(super) fn filter_note(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> Option<String> {
+    let method = scene.method.representative();
+    let own = method.discs().filter(|_| are_drawn(scene, settings, cloud))?.gaussians;
+    let lacks = cloud.filter == Some(Filter::Mip) && own.kernel == Kernel::Ewa && !own.antialias;
+    (lacks && !scene.states("method", "antialias")).then(|| {
+        "these splats were trained with the filter of Mip-Splatting, without which small ones look bold; method.antialias = \
+         true (--set method.antialias=true) applies it, and method.dilation is what they were trained with: 0.1 by \
+         Mip-Splatting itself, 0.3 by most other programs"
+            .to_owned()
+    })
 }
 
 /// Source of the colors of a cloud's points.
@@ -41,7 +55,8 @@ pub(super) fn placed(
     let own = |i: usize| paint.own && !painted(i);
     parallel::for_each_mut(&mut placed.bases, |i, base| {
         if !own(i) {
-            *base = paint.colors[i].to_array().map(|linear| encode_srgb_f64(linear.into()) as f32).into();
+            let linear = paint.colors[i];
+            *base = if gaussians.is_linear(i) { linear } else { linear.to_array().map(display).into() };
         }
     });
     let count = placed.coefficients().max(1);
@@ -88,13 +103,14 @@ mod tests {
     use glam::Quat;
 
     use super::*;
-    use pellucid_core::cloud::gaussians::REACH;
+    use pellucid_core::cloud::gaussians::{ColorCoding, REACH};
 
     fn two() -> Gaussians {
         Gaussians {
             extents: vec![Vec3::ONE, Vec3::new(3.0, 2.0, 0.0)],
             rotations: vec![Quat::IDENTITY; 2],
             bases: vec![Vec3::splat(0.25), Vec3::splat(1.5)],
+            coding: ColorCoding::Display,
             degree: 1,
             harmonics: vec![Vec3::ONE; 6],
         }
@@ -118,6 +134,59 @@ mod tests {
         assert!(placed(&settings, &two(), Paint { colors: &colors, own: true }, |_| false).harmonics.is_empty());
         let given = placed(&settings, &two(), Paint { colors: &colors, own: false }, |_| false);
         assert_eq!((given.degree, given.bases[0]), (0, Vec3::ONE));
+        let (half, linear) = ([Vec3::splat(0.5); 2], Gaussians { coding: ColorCoding::Linear, ..two() });
+        let of = |all: &Gaussians| placed(&settings, all, Paint { colors: &half, own: false }, |_| false).bases[0].x;
+        assert!(of(&linear) == 0.5 && (of(&two()) - 0.735_357).abs() < 1e-6, "the scene's color is linear");
         assert_eq!(radii(&two())[1], 3.0 * REACH);
+    }
+
+    fn scene_of(text: &str) -> Scene {
+        let text = format!("[[cloud]]\npath = 'a.ply'\n{text}");
+        Scene::from_toml(&text, "s.toml".as_ref()).unwrap_or_else(|error| panic!("{text}: {error}"))
+    }
+
+    #[test]
+    fn splats_trained_with_a_filter_want_its_keys() {
+        let cloud = |filter| Cloud { filter, gaussians: Some(two()), ..Cloud::default() };
+        let note = |text: &str, filter| {
+            let scene = scene_of(text);
+            filter_note(&scene, &scene.clouds[0], &cloud(filter))
+        };
+        let said = note("", Some(Filter::Mip)).unwrap();
+        assert!(said.contains("method.antialias") && said.contains("method.dilation"), "{said}");
+        assert!(note("[method]\nname = 'sorted'\ndilation = 0.1", Some(Filter::Mip)).is_some());
+        for (text, filter) in [
+            ("", None),
+            ("", Some(Filter::Plain)),
+            ("[method]\nantialias = true", Some(Filter::Mip)),
+            ("[method]\nantialias = false", Some(Filter::Mip)),
+            ("[method]\nkernel = 'ray'", Some(Filter::Mip)),
+            ("[method]\nname = 'points'", Some(Filter::Mip)),
+            ("primitive = 'points'", Some(Filter::Mip)),
+        ] {
+            assert_eq!(note(text, filter), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn gaussians_alone_decide_the_space_of_blending() {
+        use pellucid_core::color::ColorSpace::{Encoded, Linear};
+        let clouds = |codings: &[ColorCoding]| -> Vec<Cloud> {
+            let cloud = |coding: &ColorCoding| Gaussians { coding: coding.clone(), ..two() };
+            codings.iter().map(|coding| Cloud { gaussians: Some(cloud(coding)), ..Cloud::default() }).collect()
+        };
+        let settled = |text: &str, clouds: &[Cloud]| {
+            let mut scene = scene_of(text);
+            (scene.settle(clouds), scene.image.color_space())
+        };
+        let (display, linear) = (ColorCoding::Display, ColorCoding::Linear);
+        let two_clouds = "[[cloud]]\npath = 'b.ply'";
+        assert_eq!(settled("", &clouds(&[display.clone()])), (Some(Encoded), Encoded));
+        assert_eq!(settled("", &clouds(&[linear.clone()])), (Some(Linear), Linear));
+        assert_eq!(settled("", &clouds(&[ColorCoding::Each(vec![false, true])])), (Some(Linear), Linear));
+        assert_eq!(settled(two_clouds, &clouds(&[display.clone(), linear.clone()])), (Some(Linear), Linear));
+        assert_eq!(settled("[image]\ncolor = 'encoded'", &clouds(&[linear.clone()])), (None, Encoded));
+        let with_points = [clouds(&[display]), vec![Cloud::default()]].concat();
+        assert_eq!(settled(two_clouds, &with_points), (None, Linear));
     }
 }

@@ -38,26 +38,32 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Settles what its clouds decide: scenes of Gaussians alone are blended in display values, in which they are
-    /// trained, unless the scene says otherwise. Returns true if they decided it.
-    pub fn settle(&mut self, clouds: &[impl Borrow<Cloud>]) -> bool {
-        self.settle_for(|cloud| clouds.get(cloud).is_some_and(|cloud| cloud.borrow().gaussians.is_some()))
+    /// Settles what its clouds decide: scenes of Gaussians alone are blended in the space that these are meant for,
+    /// unless the scene says otherwise. That is linear light if any of them has linear colors. Returns the space if
+    /// they decided it.
+    pub fn settle(&mut self, clouds: &[impl Borrow<Cloud>]) -> Option<ColorSpace> {
+        self.settle_for(|cloud| Some(clouds.get(cloud)?.borrow().gaussians.as_ref()?.blend_space()))
     }
 
-    /// Returns the same, given which of its clouds are files of Gaussians.
-    pub fn settle_for(&mut self, has_gaussians: impl Fn(usize) -> bool) -> bool {
-        let drawn = |(i, settings)| has_gaussians(i) && self.draws_gaussians(settings);
-        let alone = !self.clouds.is_empty() && self.clouds.iter().enumerate().all(drawn);
-        let decided = self.image.color.is_none() && alone;
-        if decided {
-            self.image.color = Some(ColorSpace::Encoded);
-        }
-        decided
+    /// Returns the same, given the space of each of its clouds that is a file of Gaussians.
+    pub fn settle_for(&mut self, space: impl Fn(usize) -> Option<ColorSpace>) -> Option<ColorSpace> {
+        let drawn = |(i, settings)| space(i).filter(|_| self.draws_gaussians(settings));
+        let alone: Option<Vec<ColorSpace>> = self.clouds.iter().enumerate().map(drawn).collect();
+        let alone = alone.filter(|spaces| !spaces.is_empty() && self.image.color.is_none())?;
+        let linear = alone.contains(&ColorSpace::Linear);
+        self.image.color = Some(if linear { ColorSpace::Linear } else { ColorSpace::Encoded });
+        self.image.color
     }
 
     /// Returns `true` if the Gaussians of a cloud's file are drawn, should it hold some.
     pub(super) fn draws_gaussians(&self, settings: &CloudSettings) -> bool {
         settings.primitive == Primitive::Gaussians && self.method.is_made_of_discs()
+    }
+
+    /// Returns `true` if a key of a table was given, by the file or by an option.
+    pub(super) fn states(&self, table: &str, key: &str) -> bool {
+        let given = serde_json::from_str::<serde_json::Value>(&self.settings).unwrap_or_default();
+        given.get(table).and_then(|table| table.get(key)).is_some()
     }
 
     /// Returns the normals that are estimated where a cloud has none: those that shading or the method needs.

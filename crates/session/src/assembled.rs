@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use pellucid_core::cloud::shadow_texture::ShadowTexture;
 use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::color::ColorSpace;
 use pellucid_core::points::{Changes, Points};
 use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
@@ -66,8 +67,8 @@ enum Origin {
 /// Keys that the clouds of a scene decided.
 #[derive(Debug, Clone, Copy)]
 struct Settled {
-    /// `true` if colors are blended encoded because all clouds are of Gaussians.
-    is_encoded: bool,
+    /// The space in which colors are blended because all clouds are of Gaussians.
+    blend_space: Option<ColorSpace>,
     /// `true` if points have no normals to shade by.
     is_unlit: bool,
 }
@@ -119,9 +120,9 @@ impl Assembled {
         let has_gaussians = clouds.iter().any(|cloud| cloud.gaussians.is_some());
         let recipe = Recipe::of(&scene, wanted.seed, up, has_gaussians);
         let mut colorings = colorings(&with_radii, &scene::colorings(&with_radii, clouds));
-        let settled = Settled { is_encoded: with_radii.settle(clouds), is_unlit: false };
+        let settled = Settled { blend_space: with_radii.settle(clouds), is_unlit: false };
         scene.image.color = with_radii.image.color;
-        colorings.extend(settled.is_encoded.then(blended_displays));
+        colorings.extend(settled.blend_space.map(blended));
         let mut legend = None;
         let origin = if wanted.is_edited {
             let tracked = Tracked::new(&with_radii, clouds, derived, wanted.seed, progress)?;
@@ -171,10 +172,10 @@ impl Assembled {
             stored.arranged()
         };
         let mut colorings = colorings(stored.scene(), &stored.colorings());
-        colorings.extend(stored.blends_displays.then(blended_displays));
+        colorings.extend(stored.blend_space.map(blended));
         let (scene, up, has_gaussians) = (stored.scene().clone(), stored.up(), stored.has_gaussians);
         let settled = Settled {
-            is_encoded: stored.blends_displays,
+            blend_space: stored.blend_space,
             is_unlit: scene.shading.model == ShadingModel::None && asked.shading.model == ShadingModel::Auto,
         };
         Ok(Self {
@@ -246,7 +247,7 @@ impl Assembled {
     /// Gives another scene of the same clouds what these decide: the color space of Gaussians, and no shading without
     /// normals.
     pub fn settle(&self, scene: &mut Scene) {
-        if self.settled.is_encoded && scene.image.color.is_none() {
+        if self.settled.blend_space.is_some() && scene.image.color.is_none() {
             scene.image.color = self.scene.image.color;
         }
         if self.settled.is_unlit && scene.shading.model == ShadingModel::Auto {
@@ -288,7 +289,7 @@ impl Assembled {
         self.recipe = recipe;
         self.adopt(scene);
         self.colorings = colorings(&self.scene, &scene::colorings(&self.scene, clouds));
-        self.colorings.extend(self.settled.is_encoded.then(blended_displays));
+        self.colorings.extend(self.settled.blend_space.map(blended));
         Ok(Some(changes))
     }
 
@@ -323,8 +324,12 @@ fn for_points(scene: &Scene, wanted: Wanted) -> Scene {
 }
 
 /// Says which colors a scene of Gaussians alone blends.
-fn blended_displays() -> String {
-    "colors are blended as encoded values, because every cloud is of Gaussians".to_owned()
+fn blended(space: ColorSpace) -> String {
+    match space {
+        ColorSpace::Encoded => "colors are blended as encoded values, because every cloud is of Gaussians",
+        ColorSpace::Linear => "colors are blended in linear light, because those of the Gaussians are linear",
+    }
+    .to_owned()
 }
 
 /// Returns how clouds are colored and why, a phrase for each way.

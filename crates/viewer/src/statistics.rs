@@ -8,6 +8,8 @@ use rayon::prelude::*;
 
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::field::{self, Field};
+use pellucid_core::cloud::gaussians::Gaussians;
+use pellucid_core::color::ColorSpace;
 use pellucid_engine::passes::project::Parts;
 use pellucid_scene::stored::OpenStore;
 use pellucid_scene::{CloudSettings, ColorBy, Scene, Strays, automatic};
@@ -29,6 +31,8 @@ pub struct Statistics {
     pub normals: bool,
     /// True if the file holds Gaussian splats.
     pub gaussians: bool,
+    /// The space in which these are meant to be blended.
+    pub blend_space: Option<ColorSpace>,
     /// True if the points have radii of their own rather than estimated ones.
     pub own_radii: bool,
     /// Points of each class; empty without classes.
@@ -68,6 +72,7 @@ impl Statistics {
             auto: automatic(cloud),
             normals: cloud.normals.is_some(),
             gaussians: cloud.gaussians.is_some(),
+            blend_space: cloud.gaussians.as_ref().map(Gaussians::blend_space),
             own_radii: cloud.own_radii().is_some(),
             classes: classes(cloud.classification.as_deref().unwrap_or_default()),
             scalars,

@@ -61,7 +61,7 @@ def raw(soup):
     rows = b""
     for s in soup:
         rows += struct.pack("<6f", *s["center"], *(math.exp(scale) for scale in s["scale"])) + color_bytes(s)
-        rows += bytes(byte((part + 1) * 127.5) for part in s["turn"])
+        rows += bytes(byte(part * 128 + 128) for part in s["turn"])
     return rows
 
 

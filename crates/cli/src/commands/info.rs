@@ -49,8 +49,8 @@ pub struct InfoArgs {
     /// `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a scalar to
     /// [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
     ///
-    /// Gaussian splats also have `gaussians: {count, degree, filter, extents: {min, median, max}}`. --outliers adds
-    /// their number as `outliers`. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field,
+    /// Gaussian splats also have `gaussians: {count, degree, filter, up, color, extents: {min, median, max}}`, color being
+    /// "encoded", "linear" or "both". --outliers adds their number as `outliers`. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field,
     /// quantiles}`, with `shadows` if they are stored; `quantiles` maps a share of the points to the largest field
     /// value among them.
     ///
@@ -151,7 +151,7 @@ fn to_json(seen: &Seen) -> Value {
         value["outliers"] = outliers.into();
     }
     if let Some(splats) = &cloud.gaussians {
-        value["gaussians"] = gaussians::json(splats, cloud.filter);
+        value["gaussians"] = gaussians::json(splats, cloud);
     }
     if let Some(prepared) = &cloud.prepared {
         let threshold = |(share, threshold): (f64, f32)| (share.to_string(), f64::from(threshold).into());
@@ -231,7 +231,7 @@ fn to_text(seen: &Seen) -> String {
     let attributes = attributes(cloud);
     let listed = if attributes.is_empty() { "none".into() } else { facts.attributes(&attributes) };
     let _ = write!(text, "\n  attributes  {listed}");
-    cloud.gaussians.iter().for_each(|splats| text.push_str(&gaussians::text(splats, cloud.filter)));
+    cloud.gaussians.iter().for_each(|splats| text.push_str(&gaussians::text(splats, cloud)));
     text.push_str(&facts.text());
     cloud.prepared.iter().for_each(|prepared| text.push_str(&prepared_text(prepared)));
     text + "\n"

@@ -1,6 +1,6 @@
 //! Filters that splats were trained with, as their file says it.
 
-/// The filter that a file of splats names. It is shown, and does not change how they are rendered.
+/// The filter that a file of splats names. It is shown, and a note names the keys that render them so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
     /// Filter of the original renderer: every splat grows by a fixed variance on the image.

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-use crate::color::decode_srgb;
+use crate::color::{ColorSpace, decode_srgb, encode_srgb};
 use crate::parallel;
 
 /// The spherical harmonic of degree 0, 1 / (2√π).
@@ -28,6 +28,30 @@ pub fn linear(base: Vec3) -> Vec3 {
     base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb).into()
 }
 
+/// Meaning of the colors of Gaussians, harmonics included.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum ColorCoding {
+    /// Display values (sRGB-encoded), as almost all files have them.
+    #[default]
+    Display,
+    /// Linear values, as glTF's `lin_rec709_display` has them.
+    Linear,
+    /// Either, splat by splat; `true` of those that are linear.
+    Each(Vec<bool>),
+}
+
+impl ColorCoding {
+    /// Returns the meaning of the colors of splats, each of which is linear or not. Without any it is that of linear
+    /// ones.
+    pub fn of(linear: Vec<bool>) -> Self {
+        match linear.contains(&false) {
+            false => Self::Linear,
+            true if linear.contains(&true) => Self::Each(linear),
+            true => Self::Display,
+        }
+    }
+}
+
 /// Columns of Gaussian splats, each as long as the positions of the points that they belong to. A point that is none
 /// has extents of zero, and no harmonics.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,8 +60,10 @@ pub struct Gaussians {
     pub extents: Vec<Vec3>,
     /// Turns x, y and z into the three axes: unit quaternions.
     pub rotations: Vec<Quat>,
-    /// Color without harmonics of higher degree, as display value (sRGB-encoded) and not clamped: ½ + Y₀·f_dc.
+    /// Color without harmonics of higher degree, not clamped: ½ + Y₀·f_dc.
     pub bases: Vec<Vec3>,
+    /// Meaning of these colors and their harmonics.
+    pub coding: ColorCoding,
     /// The degree of the harmonics, 0 to [`MAX_DEGREE`].
     pub degree: u32,
     /// Coefficients from degree 1 on, [`Self::coefficients`] for each splat, splat after splat, red, green and blue of
@@ -57,6 +83,7 @@ impl Gaussians {
             extents: vec![Vec3::ZERO; count],
             rotations: vec![Quat::IDENTITY; count],
             bases: vec![Vec3::ZERO; count],
+            coding: ColorCoding::Display,
             degree: 0,
             harmonics: Vec::new(),
         }
@@ -92,6 +119,32 @@ impl Gaussians {
         self.extents.par_iter().all(|extents| *extents != Vec3::ZERO)
     }
 
+    /// Returns `true` if the colors of a splat are linear.
+    pub fn is_linear(&self, index: usize) -> bool {
+        match &self.coding {
+            ColorCoding::Display => false,
+            ColorCoding::Linear => true,
+            ColorCoding::Each(linear) => linear[index],
+        }
+    }
+
+    /// Returns `true` if the colors of some splats are linear, or may be in a list that stands for others.
+    pub fn may_be_linear(&self) -> bool {
+        self.coding != ColorCoding::Display
+    }
+
+    /// Returns the space in which they are meant to be blended: display values, in which most are trained, or linear
+    /// light, if any colors may be linear.
+    pub fn blend_space(&self) -> ColorSpace {
+        if self.may_be_linear() { ColorSpace::Linear } else { ColorSpace::Encoded }
+    }
+
+    /// Returns the linear color of a splat without harmonics of higher degree, clamped to [0, 1].
+    pub fn linear_base(&self, index: usize) -> Vec3 {
+        let base = self.bases[index];
+        if self.is_linear(index) { base.clamp(Vec3::ZERO, Vec3::ONE) } else { linear(base) }
+    }
+
     /// Returns the coefficients of a splat from degree 1 on.
     pub fn harmonics_of(&self, index: usize) -> &[Vec3] {
         let count = self.coefficients();
@@ -113,7 +166,11 @@ impl Gaussians {
     /// Returns some of them, in another order: place i gets splat `from(i)` of `count` places.
     #[must_use]
     pub fn picked(&self, count: usize, from: impl Fn(usize) -> usize + Sync) -> Self {
-        Self::gathered(count, self.degree, |i| Some((self, from(i))))
+        let coding = match &self.coding {
+            ColorCoding::Each(linear) => ColorCoding::Each(parallel::map(count, |i| linear[from(i)])),
+            same => same.clone(),
+        };
+        Self { coding, ..Self::gathered(count, self.degree, |i| Some((self, from(i)))) }
     }
 
     /// Returns splats of any lists of no higher degree: place i gets what `of(i)` names, a list and a place there;
@@ -127,10 +184,12 @@ impl Gaussians {
             let own = of(i).map_or(&[][..], |(own, at)| own.harmonics_of(at));
             to[..own.len()].copy_from_slice(own);
         };
+        let linear = parallel::map(count, |i| of(i).is_some_and(|(own, at)| own.is_linear(at)));
         Self {
             extents: parallel::map(count, |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.extents[at])),
             rotations: parallel::map(count, |i| of(i).map_or(Quat::IDENTITY, |(own, at)| own.rotations[at])),
             bases: parallel::map(count, |i| of(i).map_or(Vec3::ZERO, |(own, at)| own.bases[at])),
+            coding: if linear.contains(&true) { ColorCoding::Each(linear) } else { ColorCoding::Display },
             degree,
             harmonics: parallel::runs(count, coefficients(degree), copy),
         }
@@ -145,6 +204,9 @@ impl Gaussians {
             self.extents[place] = taken.extents[i];
             self.rotations[place] = taken.rotations[i];
             self.bases[place] = taken.bases[i];
+            if let ColorCoding::Each(linear) = &mut self.coding {
+                linear[place] = taken.is_linear(i);
+            }
             self.harmonics[place * count..(place + 1) * count].copy_from_slice(taken.harmonics_of(i));
         }
     }
@@ -153,11 +215,26 @@ impl Gaussians {
     pub fn append(&mut self, more: Self) {
         let degree = self.degree.max(more.degree);
         let more = more.with_degree(degree);
+        self.coding = self.coding_with(&more);
         *self = std::mem::take(self).with_degree(degree);
         self.extents.extend(more.extents);
         self.rotations.extend(more.rotations);
         self.bases.extend(more.bases);
         self.harmonics.extend(more.harmonics);
+    }
+
+    /// The meaning of the colors of these and others behind them.
+    fn coding_with(&self, more: &Self) -> ColorCoding {
+        match (&self.coding, &more.coding) {
+            (_, coding) if self.is_empty() => coding.clone(),
+            (coding, other) if more.is_empty() || coding == other && !matches!(coding, ColorCoding::Each(_)) => {
+                coding.clone()
+            }
+            _ => {
+                let own = (0..self.len()).map(|i| self.is_linear(i));
+                ColorCoding::Each(own.chain((0..more.len()).map(|i| more.is_linear(i))).collect())
+            }
+        }
     }
 
     /// Returns those of two lists that follow each other, of which either may have none.
@@ -180,13 +257,14 @@ impl Gaussians {
         let norms: Vec<f32> =
             (1..=self.degree).flat_map(|degree| vec![norm(degree); 2 * degree as usize + 1]).collect();
         let of_splat = |i: usize| {
+            let display = |most: f32| if self.is_linear(i) { encode_srgb(most) } else { most };
             let (mut most, mut sum, mut next) = (ByDegree::default(), self.bases[i], 0);
             for (degree, most) in most.iter_mut().enumerate() {
                 let end = coefficients(degree as u32).min(norms.len());
                 let added = self.harmonics_of(i)[next..end].iter().zip(&norms[next..end]);
                 sum = added.fold(sum, |sum, (color, norm)| sum + *norm * color.abs());
                 next = end;
-                *most = sum.max_element().max(0.0);
+                *most = display(sum.max_element().max(0.0));
             }
             most
         };
@@ -204,7 +282,7 @@ impl Gaussians {
         let extents = self.extents[index].to_array().into_iter();
         let rest = self.rotations[index].to_array().into_iter().chain(self.bases[index].to_array());
         let harmonics = self.harmonics_of(index).iter().flat_map(|color| color.to_array());
-        extents.chain(rest).chain(harmonics).map(f32::to_bits)
+        extents.chain(rest).chain(harmonics).map(f32::to_bits).chain([self.is_linear(index).into()])
     }
 }
 
@@ -218,6 +296,7 @@ mod tests {
             extents: (0..count).map(each).collect(),
             rotations: vec![Quat::IDENTITY; count],
             bases: (0..count).map(each).collect(),
+            coding: ColorCoding::Display,
             degree,
             harmonics: (0..count * coefficients(degree)).map(each).collect(),
         }
@@ -245,6 +324,31 @@ mod tests {
         all.bases[0] = Vec3::splat(-9.0);
         assert_eq!(all.brightest(), ByDegree::default());
         assert_eq!(Gaussians::default().brightest(), ByDegree::default());
+    }
+
+    #[test]
+    fn linear_and_display_colors_stay_what_they_are() {
+        let all_linear = |count| Gaussians { coding: ColorCoding::Linear, ..some(count, 0) };
+        let linear = |all: &Gaussians| (0..all.len()).map(|i| all.is_linear(i)).collect::<Vec<_>>();
+        let mut all = some(1, 0);
+        all.append(all_linear(2));
+        assert_eq!((linear(&all), linear(&all.picked(2, |i| 2 - i))), (vec![false, true, true], vec![true; 2]));
+        all.trade(&[0, 1], &[1, 0]);
+        assert_eq!(linear(&all), [true, false, true]);
+        let mut none = Gaussians::none(0);
+        none.append(all_linear(2));
+        none.append(all_linear(1));
+        none.append(some(0, 0));
+        assert_eq!((none.coding.clone(), none.picked(0, |i| i).coding), (ColorCoding::Linear, ColorCoding::Linear));
+        let gathered = Gaussians::gathered(2, 0, |i| (i == 1).then_some((&none, 0)));
+        assert_eq!(linear(&gathered), [false, true]);
+        assert_eq!(Gaussians::gathered(1, 0, |_| None).coding, ColorCoding::Display);
+        // ½ is 0.735 as display value, and as one it is 0.214.
+        let half = |coding| Gaussians { bases: vec![Vec3::splat(0.5)], coding, ..some(1, 0) };
+        let [linear, display] = [half(ColorCoding::Linear), half(ColorCoding::Display)];
+        assert!((linear.brightest()[0] - 0.735_357).abs() < 1e-6 && display.brightest()[0] == 0.5);
+        assert!(linear.linear_base(0) == Vec3::splat(0.5) && (display.linear_base(0).x - 0.214_041).abs() < 1e-6);
+        assert!(!linear.bits(0).eq(display.bits(0)));
     }
 
     #[test]

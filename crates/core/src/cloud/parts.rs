@@ -88,7 +88,7 @@ mod tests {
 
     use super::*;
     use crate::cloud::field::Field;
-    use crate::cloud::gaussians::Gaussians;
+    use crate::cloud::gaussians::{ColorCoding, Gaussians};
 
     fn cloud() -> Cloud {
         Cloud {
@@ -101,6 +101,7 @@ mod tests {
                 extents: [1.0, 2.0, 3.0].map(Vec3::splat).to_vec(),
                 rotations: [0.1, 0.2, 0.3].map(Quat::from_rotation_x).to_vec(),
                 bases: [0.4, 0.5, 0.6].map(Vec3::splat).to_vec(),
+                coding: ColorCoding::Each(vec![true, false, true]),
                 degree: 1,
                 harmonics: (0..9_u8).map(|i| Vec3::splat(i.into())).collect(),
             }),

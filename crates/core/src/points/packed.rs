@@ -3,10 +3,10 @@
 use bytemuck::{AnyBitPattern, NoUninit, cast_slice, pod_collect_to_vec};
 
 use super::{Points, Unseen};
-use crate::cloud::gaussians::{Gaussians, MAX_DEGREE, coefficients};
+use crate::cloud::gaussians::{ColorCoding, Gaussians, MAX_DEGREE, coefficients};
 
 /// Marks packed points: of another version or another byte order it is another number.
-const MARK: u64 = 0x0002_7374_6e69_6f70;
+const MARK: u64 = 0x0003_7374_6e69_6f70;
 
 /// Bytes that are no packed points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -34,11 +34,18 @@ impl Points {
         [opacities, radii, fields].into_iter().for_each(|column| put_column(to, column));
         [file_order, dealt_ids].into_iter().for_each(|column| put_column(to, column));
         normals.iter().for_each(|normals| put(to, normals));
-        if let Some(Gaussians { extents, rotations, bases, harmonics, .. }) = gaussians {
+        if let Some(Gaussians { extents, rotations, bases, coding, degree: _, harmonics }) = gaussians {
             put(to, extents);
             put(to, rotations);
             put(to, bases);
             put(to, harmonics);
+            let (word, each): (u64, &[bool]) = match coding {
+                ColorCoding::Display => (0, &[]),
+                ColorCoding::Linear => (1, &[]),
+                ColorCoding::Each(linear) => (2, linear),
+            };
+            put(to, &[word]);
+            put(to, each);
         }
         put(to, &unseen.positions);
         put(to, &unseen.radii);
@@ -83,6 +90,12 @@ fn gaussians(bytes: &mut &[u8], count: usize, degree: u32) -> Result<Gaussians, 
         bases: taken(bytes, count)?,
         degree,
         harmonics: taken(bytes, harmonics)?,
+        coding: match taken::<u64>(bytes, 1)?[..] {
+            [0] => ColorCoding::Display,
+            [1] => ColorCoding::Linear,
+            [2] => ColorCoding::Each(taken::<u8>(bytes, count)?.into_iter().map(|linear| linear != 0).collect()),
+            _ => return Err(Unreadable("colors of another meaning")),
+        },
     })
 }
 
@@ -148,7 +161,13 @@ mod tests {
     fn packed_points_unpack_to_the_same_points() {
         let few = Points { normals: None, gaussians: None, ..points(0) };
         let none = Points { normals: Some(Vec::new()), ..Points::default() };
-        let all = [points(0), points(3), few, none, Points::default()];
+        let coded = |coding| {
+            let gaussians = points(1).gaussians.map(|all| Gaussians { coding, ..all });
+            Points { gaussians, ..points(1) }
+        };
+        let coded = [ColorCoding::Linear, ColorCoding::Each(vec![false, true])].map(coded);
+        let all = [points(0), points(3), few, none, Points::default()].into_iter().chain(coded);
+        let all: Vec<Points> = all.collect();
         let mut bytes = Vec::new();
         all.iter().for_each(|points| points.pack(&mut bytes));
         let mut rest = bytes.as_slice();

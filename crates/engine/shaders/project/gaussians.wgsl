@@ -7,12 +7,13 @@
 #import projected
 #import harmonics
 #import decode
+#import encode
 #import optical_depth
 #import dispatch
 
 @group(0) @binding(1) var<storage, read> points_hi: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> points_lo: array<vec4<f32>>;
-// Standard deviations; all 0 for a point that is none.
+// Standard deviations, all 0 for a point that is none; w is 1 if its colors are linear, 0 if they are display values.
 @group(0) @binding(3) var<storage, read> extents: array<vec4<f32>>;
 // Unit quaternions, x y z w.
 @group(0) @binding(4) var<storage, read> rotations: array<vec4<f32>>;
@@ -217,7 +218,14 @@ fn seen_color(i: u32, hi: vec3<f32>, lo: vec3<f32>) -> vec3<f32> {
         direction = unit3(rounded(minus_eye(hi, lo)));
     }
     let color = harmonic_color(i, direction);
+    let linear = extents[i].w != 0.0;
     if ENCODED != 0u {
+        if linear {
+            return encode(color);
+        }
+        return color;
+    }
+    if linear {
         return color;
     }
     return decode(color);

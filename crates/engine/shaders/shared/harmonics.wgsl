@@ -55,7 +55,7 @@ fn fourth_degree(first: u32, d: vec3<f32>) -> vec3<f32> {
     return sum;
 }
 
-// Display value of splat i from the direction d, not clamped above.
+// Value of splat i from the direction d, not clamped above: a display value or linear, as its colors are.
 fn harmonic_color(i: u32, d: vec3<f32>) -> vec3<f32> {
     let first = 3u * i * (DEGREE + 1u) * (DEGREE + 1u);
     var color = coefficient(first, 0u) + low_degrees(first, d);

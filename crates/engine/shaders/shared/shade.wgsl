@@ -1,18 +1,13 @@
 // Colors of points as they are blended: shading, encoding.
 #import elementary
 #import camera
+#import encode
 
 override SHADING: u32 = 0u;
 // 1: points have shares of light.
 override LIT: u32 = 0u;
 // 1: blending runs on sRGB-encoded values.
 override ENCODED: u32 = 0u;
-
-fn encode(c: vec3<f32>) -> vec3<f32> {
-    let root = vec3<f32>(power(c.x, 1.0 / 2.4), power(c.y, 1.0 / 2.4), power(c.z, 1.0 / 2.4));
-    let curve = 1.055 * root - 0.055;
-    return select(curve, c * 12.92, c <= vec3<f32>(0.0031308));
-}
 
 // Interface: c(ambient + diffuse max(0, n.l)), two-sided; Phong adds specular max(0, r.v)^shininess. Of the light,
 // diffuse and specular, m arrives (Dobrev et al. 2010, Section 6); 1 changes no bit.

@@ -34,8 +34,7 @@ fn row(balls: &[(f64, f32, Vec3)]) -> Points {
         extents: vec![Vec3::splat(20.0); count],
         rotations: vec![Quat::IDENTITY; count],
         bases: balls.iter().map(|ball| ball.2).collect(),
-        degree: 0,
-        harmonics: Vec::new(),
+        ..Gaussians::default()
     };
     order::canonical(Points {
         positions: balls.iter().map(|ball| (10.0 - ball.0) * DVec3::Z).collect(),

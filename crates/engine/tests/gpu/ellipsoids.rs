@@ -299,8 +299,7 @@ fn what_is_too_thin_for_two_depths_is_a_surface() {
                 extents: vec![Vec3::new(0.5, 0.5, extent); 2],
                 rotations: vec![Quat::IDENTITY; 2],
                 bases: vec![Vec3::X, Vec3::Y],
-                degree: 0,
-                harmonics: Vec::new(),
+                ..Gaussians::default()
             };
             let points = Points {
                 positions: vec![DVec3::ZERO, -0.25 * DVec3::Z],

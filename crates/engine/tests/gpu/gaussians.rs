@@ -4,7 +4,7 @@
 use glam::{DVec3, Quat, Vec3};
 use pellucid_core::camera::Camera;
 use pellucid_core::camera::Projection::{Orthographic, Perspective};
-use pellucid_core::cloud::gaussians::{Gaussians, REACH};
+use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians, REACH};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
@@ -236,6 +236,34 @@ fn soups_are_those_of_the_reference() {
     });
 }
 
+#[test]
+fn linear_colors_are_those_of_the_reference_in_either_space() {
+    with_device(|device| {
+        let (size, camera) = ([80, 60], perspective());
+        let soup = Soup { seed: 22, count: 120, degree: 2, ..Soup::default() }.points();
+        let coded = |coding| Points {
+            gaussians: soup.gaussians.clone().map(|all| Gaussians { coding, ..all }),
+            ..soup.clone()
+        };
+        let each = ColorCoding::Each((0..soup.len()).map(|at| at % 3 == 0).collect());
+        for coding in [ColorCoding::Linear, each] {
+            let points = coded(coding);
+            for color in [ColorSpace::Encoded, ColorSpace::Linear] {
+                let discs = discs(Kernel::Ewa, Order::Pixel);
+                let frame = Frame { color, ..frame(camera, size, Method::ABuffer(discs)) };
+                let image = render(device, &points, &frame);
+                let colors = shaded(&points, &frame);
+                let wanted = reference::abuffer::render(View::new(&camera, size), &points, &colors, &discs);
+                let clear = clear_pixels(&points, &frame, &discs.gaussians, &colors);
+                assert_like(&image, &wanted, &clear);
+                let known = clear.iter().filter(|bound| bound.is_some()).count();
+                assert!(2 * known > clear.len(), "{known} of {} pixels are clear", clear.len());
+                assert!(bits(&image) != bits(&render(device, &soup, &frame)));
+            }
+        }
+    });
+}
+
 /// Between which depths half of the light or less is left for the first time: `share` more or less than a half may be
 /// taken for it. They are those of all fragments from the first that it may be to the last, since depths that show are
 /// not in order by distance.
@@ -456,8 +484,7 @@ fn crossing_gaussians_change_their_order_across_the_image() {
             extents: vec![Vec3::new(0.5, 0.5, 0.01); 2],
             rotations: vec![tilted(0.6), tilted(-0.6)],
             bases: vec![Vec3::X, Vec3::Y],
-            degree: 0,
-            harmonics: Vec::new(),
+            ..Gaussians::default()
         };
         let points = Points {
             positions: vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1e-3)],

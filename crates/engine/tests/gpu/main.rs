@@ -36,6 +36,7 @@ mod soft_express;
 mod sorted;
 mod spbr;
 mod splat;
+mod splat_files;
 mod splats;
 mod stochastic;
 mod stochastic_hardware;

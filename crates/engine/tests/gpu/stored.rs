@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Quat, Vec3};
 use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear};
 use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::color::ColorSpace;
 use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
@@ -248,11 +249,11 @@ fn the_picture_of_a_store_is_that_of_the_file_that_it_was_made_of() {
             let mut of_file = scene(&file, method);
             let clouds = scene::load_clouds(&of_file, &hidden).unwrap();
             let up = scene::up_axis(&clouds);
-            assert!(of_file.settle(&clouds));
+            assert_eq!(of_file.settle(&clouds), Some(ColorSpace::Encoded));
             let whole = scene::arrange(&of_file, clouds, 3, &hidden).unwrap();
             let of_store = scene(&target, method);
             let stored = Stored::new(&of_store, &open_stores(&of_store, &hidden).unwrap(), HOST, &hidden).unwrap();
-            assert!(stored.blends_displays);
+            assert_eq!(stored.blend_space, Some(ColorSpace::Encoded));
             let (camera, _) = scene::camera(&of_file, whole.points(), up).unwrap();
             assert_eq!(scene::camera(stored.scene(), &stored.sample, stored.up()).unwrap().0, camera, "{name}");
             let (of_file, of_store) =

@@ -70,6 +70,11 @@ impl RowLayout {
         size_of::<DVec3>() as u64 + threes * size_of::<Vec3>() as u64 + ones as u64 * size_of::<f32>() as u64
     }
 
+    /// Returns `true` if the rows have colors.
+    pub fn has_color(&self) -> bool {
+        self.color.is_some()
+    }
+
     /// Returns `true` if the range of colors and the range of alphas is that of all values.
     pub(super) fn measures(&self) -> [bool; 2] {
         let color = self.color.as_ref().is_some_and(|[red, ..]| red.is_measured());

@@ -122,6 +122,7 @@ fn splat(words: &Records, at: usize, ranges: &Records, has_colors: bool) -> Spla
         extents: DVec3::new(logarithms.x.exp(), logarithms.y.exp(), logarithms.z.exp()),
         rotation: self::rotation(rotation),
         base: if has_colors { between(2, color) } else { color },
+        linear: false,
         alpha,
     }
 }

@@ -14,8 +14,8 @@
 //!
 //! Values out of range are clamped; a color that is not a number is 0. Normals and colors need all three properties;
 //! otherwise, and for any other name, a property is a scalar column of its own name. A comment marks the additions of
-//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`,
-//! `compressed`).
+//! `pellucid prepare` (docs/prepared-clouds.md), another one states the vertical (`vertical`). Gaussian splats are
+//! recognized by their properties (`splats`, `compressed`).
 
 mod compressed;
 mod header;
@@ -38,12 +38,12 @@ use pellucid_core::cloud::Cloud;
 pub(super) use prepared::is_prepared;
 pub(super) use rows::VertexRows;
 use splats::{SplatColumns, SplatPart};
-pub(super) use vertical::{step, vertical};
+pub(super) use vertical::{stated, step, vertical};
 pub use write::{write, write_prepared, write_to};
 
 /// Reads the vertices of a PLY file.
 pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
-    let (vertices, comments) = Vertices::find(source)?;
+    let (vertices, remarks) = Vertices::find(source)?;
     let mut cloud = match vertices {
         Vertices::Rows(rows) => {
             memory::check(rows.file.path(), rows.count, rows.layout.bytes())?;
@@ -54,13 +54,31 @@ pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Erro
         Vertices::Compressed(splats) => splats.read(progress)?,
         Vertices::Records(records) => records.read(progress)?,
     };
-    if cloud.gaussians.is_some() {
-        cloud.filter = splats::filter(&comments);
-        return Ok(cloud);
+    let comments = &remarks.comments;
+    let has_gaussians = cloud.gaussians.is_some();
+    if has_gaussians {
+        cloud.filter = splats::filter(comments).or(cloud.filter);
+    } else {
+        find_vertical(&mut cloud);
     }
-    find_vertical(&mut cloud);
-    prepared::recognize(&mut cloud, &comments);
+    cloud.warnings.extend(remarks.missing);
+    match stated(comments) {
+        Ok(None) => {}
+        Ok(Some(up)) => (cloud.up, cloud.up_reason) = (up, None),
+        Err(warning) => cloud.warnings.push(warning),
+    }
+    if !has_gaussians {
+        prepared::recognize(&mut cloud, comments);
+    }
     Ok(cloud)
+}
+
+/// What a header says of the vertices beside their properties.
+pub(super) struct Remarks {
+    /// Comments with the numbers of their lines.
+    pub comments: Vec<(u64, String)>,
+    /// A warning about what points lack to be splats, if they are meant to be some.
+    pub missing: Option<String>,
 }
 
 /// Tells the vertical of a cloud from its points, where nothing else says it.
@@ -85,8 +103,8 @@ pub(super) enum Vertices {
 }
 
 impl Vertices {
-    /// Reads the header; also returns its comments with the numbers of their lines.
-    pub fn find(mut source: InputFile) -> Result<(Self, Vec<(u64, String)>), Error> {
+    /// Reads the header; also returns what else it says.
+    pub fn find(mut source: InputFile) -> Result<(Self, Remarks), Error> {
         let mut header = header::read(&mut source)?;
         let Some(at) = header.elements.iter().position(|e| e.name == "vertex") else {
             let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();
@@ -96,7 +114,8 @@ impl Vertices {
         let vertex = &header.elements[at];
         let text = header.encoding == Encoding::Ascii;
         if !text && compressed::are_compressed(vertex) {
-            return Ok((Self::Compressed(Box::new(Compressed::new(source, header, at))), comments));
+            let remarks = Remarks { comments, missing: None };
+            return Ok((Self::Compressed(Box::new(Compressed::new(source, header, at))), remarks));
         }
         let scalars = vertex.scalars();
         let layout = RowLayout::new(&scalars).map_err(|missing| Error::MissingProperty {
@@ -106,13 +125,14 @@ impl Vertices {
         })?;
         check_claim(&source, &header.elements[..=at], header.len, text)?;
         let splats = SplatColumns::find(&scalars).map(Box::new);
+        let missing = if splats.is_none() { splats::missing(&scalars) } else { None };
         let are_rows = rows::are_rows(&header, vertex);
         let vertices = match splats {
             Some(splats) if are_rows => Self::Splats(Box::new(VertexRows::find(source, &header, at, layout)?), splats),
             None if are_rows => Self::Rows(Box::new(VertexRows::find(source, &header, at, layout)?)),
             splats => Self::Records(Box::new(Records { source, header, at, splats, layout })),
         };
-        Ok((vertices, comments))
+        Ok((vertices, Remarks { comments, missing }))
     }
 }
 

@@ -20,7 +20,7 @@ use pellucid_core::color::{decode_srgb, encode_srgb};
 /// Writes a cloud: float positions if they keep every one exactly, else double; colors and alphas as 8 bits (colors
 /// sRGB-encoded), all other columns unchanged. PLY can't store the vertical and the number of dropped points, so they
 /// are lost; white space in the name of a scalar becomes `_`. Gaussian splats are written as such, as other programs
-/// read them.
+/// read them, their vertical in a comment unless it is −Y.
 ///
 /// # Errors
 /// The file can't be written; an earlier file of this name, if any, is unchanged.
@@ -175,7 +175,8 @@ fn write_columns(out: &mut impl Write, cloud: &Cloud, types: &ColumnTypes) -> st
     properties.extend(others(cloud));
     let shadows = cloud.prepared.iter().flat_map(|prepared| &prepared.shadows);
     properties.extend(shadows.map(|shadows| Property::floats(LIT, &shadows.lit)));
-    write_vertices(out, prepared::comment(cloud)?.as_deref(), cloud.len(), &properties)
+    let comment: Vec<String> = prepared::comment(cloud)?.into_iter().collect();
+    write_vertices(out, &comment, cloud.len(), &properties)
 }
 
 /// Returns classes, intensity and scalars of a cloud.
@@ -191,14 +192,14 @@ pub(super) fn others(cloud: &Cloud) -> impl Iterator<Item = Property<'_>> {
 /// Writes a file of so many vertices with these properties.
 pub(super) fn write_vertices(
     out: &mut impl Write,
-    comment: Option<&str>,
+    comments: &[String],
     vertices: usize,
     properties: &[Property],
 ) -> std::io::Result<()> {
     let writer = Writer::<DefaultElement>::new();
     writer.write_line_magic_number(out)?;
     writer.write_line_format(out, &Encoding::BinaryLittleEndian, &Version { major: 1, minor: 0 })?;
-    if let Some(comment) = comment {
+    for comment in comments {
         writeln!(out, "comment {comment}")?;
     }
     let mut vertex = ElementDef::new("vertex".to_owned());

@@ -4,13 +4,15 @@ use std::io::Write;
 
 use ply_rs_bw::ply::ScalarType;
 
+use super::splats::LINEARITY;
+use super::vertical::VERTICAL_AXIS;
 use super::write::{Property, narrowest_position, others, position, write_vertices};
-use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::{Gaussians, Y0};
+use pellucid_core::cloud::{Cloud, UpAxis};
 
 /// Writes the splats of a cloud: centers, coefficients of the color, logits of the opacity, logarithms of the extents,
 /// rotations. Then come classes, intensity and scalars. Colors and alphas follow from these. Splats without a third
-/// extent have no `scale_2`.
+/// extent have no `scale_2`. Where colors may be linear, a property says of which splats they are.
 pub(super) fn write(out: &mut impl Write, cloud: &Cloud, gaussians: &Gaussians) -> std::io::Result<()> {
     let flat = gaussians.extents.iter().all(|extents| extents.z == 0.0);
     let axes = if flat { 2 } else { 3 };
@@ -22,9 +24,20 @@ pub(super) fn write(out: &mut impl Write, cloud: &Cloud, gaussians: &Gaussians) 
         push_splat(record, gaussians, index, alpha, axes);
     });
     let mut properties = vec![position(cloud, narrowest_position(cloud)), splats];
+    if gaussians.may_be_linear() {
+        let linear = |record: &mut Vec<u8>, index| record.push(gaussians.is_linear(index).into());
+        properties.push(Property::new([LINEARITY], ScalarType::UChar, linear));
+    }
     properties.extend(others(cloud));
-    let comment = cloud.filter.map(|filter| format!("SplatRenderMode: {}", filter.name()));
-    write_vertices(out, comment.as_deref(), cloud.len(), &properties)
+    let filter = cloud.filter.map(|filter| format!("SplatRenderMode: {}", filter.name()));
+    // −Y is what readers assume.
+    let up = match cloud.up {
+        UpAxis::NegativeY => None,
+        UpAxis::Y => Some("y"),
+        UpAxis::Z => Some("z"),
+    };
+    let comments: Vec<String> = filter.into_iter().chain(up.map(|up| format!("{VERTICAL_AXIS}: {up}"))).collect();
+    write_vertices(out, &comments, cloud.len(), &properties)
 }
 
 /// Appends the color, the opacity, the extents along some axes, and the rotation.

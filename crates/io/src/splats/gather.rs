@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 use crate::columns::taken;
-use pellucid_core::cloud::gaussians::{Gaussians, Y0, coefficients, linear};
+use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians, Y0, coefficients};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::parallel;
 use pellucid_core::progress::Progress;
@@ -22,13 +22,15 @@ pub(crate) struct Splat {
     pub extents: DVec3,
     /// Rotation, a quaternion of any length but zero.
     pub rotation: DQuat,
-    /// Color without harmonics of higher degree, as display value.
+    /// Color without harmonics of higher degree.
     pub base: DVec3,
+    /// `true` if the color and the harmonics are linear instead of display values.
+    pub linear: bool,
     /// Opacity; values beyond 0 and 1 count as these.
     pub alpha: f64,
 }
 
-/// Returns the display value of coefficients of degree 0.
+/// Returns the color of coefficients of degree 0.
 pub(crate) fn from_coefficient(coefficient: DVec3) -> DVec3 {
     coefficient * Y0 + 0.5
 }
@@ -50,7 +52,10 @@ pub(crate) fn quaternion(largest: u32, [a, b, c]: [f64; 3]) -> DQuat {
 pub(crate) struct Splats {
     positions: Vec<DVec3>,
     alphas: Vec<f32>,
+    /// Without the meaning of their colors.
     gaussians: Gaussians,
+    /// `true` of splats of linear colors.
+    linear: Vec<bool>,
     /// Splats left out because their center is not finite.
     without_center: usize,
     /// Splats left out for another reason.
@@ -67,9 +72,11 @@ impl Splats {
                 extents: Vec::with_capacity(room),
                 rotations: Vec::with_capacity(room),
                 bases: Vec::with_capacity(room),
+                coding: ColorCoding::Display,
                 degree,
                 harmonics: Vec::with_capacity(room * coefficients(degree)),
             },
+            linear: Vec::with_capacity(room),
             without_center: 0,
             odd: 0,
         }
@@ -77,7 +84,7 @@ impl Splats {
 
     /// Returns the number of bytes of a splat in the columns of a cloud.
     pub fn bytes(degree: u32) -> u64 {
-        let own = size_of::<DVec3>() + size_of::<f32>() + 3 * size_of::<Vec3>() + size_of::<Quat>();
+        let own = size_of::<DVec3>() + size_of::<f32>() + size_of::<bool>() + 3 * size_of::<Vec3>() + size_of::<Quat>();
         (own + coefficients(degree) * size_of::<Vec3>()) as u64
     }
 
@@ -123,6 +130,7 @@ impl Splats {
         self.gaussians.extents.push(extents);
         self.gaussians.rotations.push(rotation);
         self.gaussians.bases.push(base);
+        self.linear.push(splat.linear);
         self.gaussians.harmonics.extend_from_slice(harmonics);
         true
     }
@@ -138,21 +146,24 @@ impl Splats {
                 extents: taken(&mut parts, |part| &mut part.gaussians.extents),
                 rotations: taken(&mut parts, |part| &mut part.gaussians.rotations),
                 bases: taken(&mut parts, |part| &mut part.gaussians.bases),
+                coding: ColorCoding::Display,
                 degree,
                 harmonics: taken(&mut parts, |part| &mut part.gaussians.harmonics),
             },
+            linear: parts.iter().flat_map(|part| &part.linear).copied().collect(),
         }
     }
 
     /// Returns the cloud of all of them.
     pub fn finish(self, up: UpAxis) -> Cloud {
         let warning = (self.odd > 0).then(|| left_out(self.odd as u64));
-        let bases = &self.gaussians.bases;
+        let coding = if self.linear.contains(&true) { ColorCoding::of(self.linear) } else { ColorCoding::Display };
+        let gaussians = Gaussians { coding, ..self.gaussians };
         Cloud {
             positions: self.positions,
-            colors: Some(parallel::map(bases.len(), |i| linear(bases[i]))),
+            colors: Some(parallel::map(gaussians.len(), |i| gaussians.linear_base(i))),
             alphas: Some(self.alphas),
-            gaussians: Some(self.gaussians),
+            gaussians: Some(gaussians),
             non_finite: self.without_center,
             up,
             warnings: warning.into_iter().collect(),
@@ -194,6 +205,7 @@ mod tests {
         extents: DVec3::ONE,
         rotation: DQuat::IDENTITY,
         base: DVec3::splat(0.5),
+        linear: false,
         alpha: 0.5,
     };
 

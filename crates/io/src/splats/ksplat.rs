@@ -193,6 +193,7 @@ impl<'a> Section<'a> {
             extents: DVec3::new(sx, sy, sz),
             rotation: DQuat::from_xyzw(x, y, z, w),
             base: DVec3::new(red, green, blue),
+            linear: false,
             alpha,
         }
     }

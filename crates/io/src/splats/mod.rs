@@ -18,6 +18,7 @@ mod ksplat;
 mod raw;
 mod sog;
 mod spz;
+mod turn;
 
 pub(super) use gather::{Splat, Splats, from_coefficient, left_out, quaternion, reason};
 pub(super) use sog::{META, is_folder};

@@ -1,7 +1,7 @@
 //! `.splat`: rows of 32 bytes without a header, as the first viewers in browsers had them.
 //!
 //! A row is three floats of the center, three of the extents, red, green, blue and opacity as bytes, and the quaternion
-//! (w, x, y, z) as bytes b, each b/255·2 − 1. There are no harmonics.
+//! (w, x, y, z) as bytes b, each (b − 128)/128. There are no harmonics.
 
 use glam::{DQuat, DVec3};
 
@@ -30,12 +30,14 @@ pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Erro
 
 fn row(row: &[u8]) -> Splat {
     let three = |at: usize| DVec3::new(float(row, at), float(row, at + 4), float(row, at + 8));
-    let [red, green, blue, alpha, w, x, y, z] = std::array::from_fn(|at| f64::from(row[24 + at]) / 255.0);
+    let [red, green, blue, alpha] = [24, 25, 26, 27].map(|at| f64::from(row[at]) / 255.0);
+    let rotation = [29, 30, 31, 28].map(|at| (f64::from(row[at]) - 128.0) / 128.0);
     Splat {
         center: three(0),
         extents: three(12),
-        rotation: DQuat::from_array([x, y, z, w].map(|byte| byte * 2.0 - 1.0)),
+        rotation: DQuat::from_array(rotation),
         base: DVec3::new(red, green, blue),
+        linear: false,
         alpha,
     }
 }

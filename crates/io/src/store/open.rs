@@ -85,7 +85,7 @@ pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)
         }
         StoreFormat::Las(source) => Some((LasFile::open(source, hints.las)?.header.count, None)),
         StoreFormat::Ply(source) => match Vertices::find(source)? {
-            (Vertices::Rows(rows), comments) if !is_prepared(&comments) => Some((rows.count, None)),
+            (Vertices::Rows(rows), remarks) if !is_prepared(&remarks.comments) => Some((rows.count, None)),
             _ => None,
         },
         StoreFormat::Whole => None,

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{Node, PIECE, Piece, Store, Summary};
 use crate::columns::{PointTable, TableFacts};
-use crate::ply::{VertexRows, Vertices, is_prepared, step, vertical};
+use crate::ply::{VertexRows, Vertices, is_prepared, stated, step, vertical};
 use crate::{Error, InputFile};
 use pellucid_core::cloud::{Bounds, Cloud};
 use pellucid_core::progress::Progress;
@@ -51,8 +51,8 @@ impl PlyPieces {
 
     /// Returns the pieces of a PLY file; `None` if it has to be read as a whole.
     pub(super) fn new(source: InputFile) -> Result<Option<Self>, Error> {
-        let (Vertices::Rows(rows), comments) = Vertices::find(source)? else { return Ok(None) };
-        if is_prepared(&comments) {
+        let (Vertices::Rows(rows), remarks) = Vertices::find(source)? else { return Ok(None) };
+        if is_prepared(&remarks.comments) {
             return Ok(None);
         }
         let mut survey = PlySurvey::new(&rows);
@@ -67,9 +67,17 @@ impl PlyPieces {
         let Some(bounds) = nodes.iter().map(|node| node.bounds).reduce(Bounds::union) else {
             return Err(Error::NoPoints { path: rows.file.path().to_path_buf(), non_finite: survey.non_finite });
         };
-        let (up, up_reason) = vertical(&bounds, &survey.sample);
+        let mut warnings: Vec<String> = remarks.missing.into_iter().collect();
+        let (up, up_reason) = match stated(&remarks.comments) {
+            Ok(Some(up)) => (up, None),
+            Ok(None) => vertical(&bounds, &survey.sample),
+            Err(warning) => {
+                warnings.push(warning);
+                vertical(&bounds, &survey.sample)
+            }
+        };
         let like = PointTable::new(&rows.layout, 0).finish(&rows.layout, &survey.whole);
-        let like = Cloud { up, up_reason, non_finite: survey.non_finite, ..like };
+        let like = Cloud { up, up_reason, non_finite: survey.non_finite, warnings, ..like };
         let points = nodes.iter().map(|node| node.points).sum();
         let path = rows.file.path().to_path_buf();
         let summary = Summary { path, points, bounds, up, ranges: Vec::new(), grid: None, like };

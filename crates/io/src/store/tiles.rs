@@ -5,7 +5,7 @@ use std::path::Path;
 use super::fitted::fitted;
 use super::{Grid, Node, Piece, Store, Summary};
 use crate::Error;
-use pellucid_core::cloud::gaussians::Gaussians;
+use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians};
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME};
 
 /// Stores one behind the other, whose nodes are nodes of one cloud.
@@ -96,8 +96,10 @@ pub(super) fn like(all: &[&Summary]) -> Cloud {
     let estimated = any(|cloud| cloud.prepared.as_ref().is_some_and(|prepared| prepared.estimated_radii));
     let keeps_radii = clouds().all(|cloud| cloud.radii.is_some()) && (prepared.is_some() || !estimated);
     let degree = clouds().filter_map(|cloud| Some(cloud.gaussians.as_ref()?.degree)).max();
+    let linear = any(|cloud| cloud.gaussians.as_ref().is_some_and(Gaussians::may_be_linear));
+    let coding = if linear { ColorCoding::Linear } else { ColorCoding::Display };
     Cloud {
-        gaussians: degree.map(|degree| Gaussians::none(0).with_degree(degree)),
+        gaussians: degree.map(|degree| Gaussians { coding, ..Gaussians::none(0).with_degree(degree) }),
         filter: first.filter.filter(|_| clouds().all(|cloud| cloud.filter == first.filter)),
         colors: any(|cloud| cloud.colors.is_some()).then(Vec::new),
         alphas: any(|cloud| cloud.alphas.is_some()).then(Vec::new),

@@ -10,23 +10,24 @@ use glam::DVec3;
 
 use super::is_orthographic;
 use pellucid_core::camera::Camera;
-use pellucid_core::color::decode_srgb_f64;
+use pellucid_core::color::{decode_srgb_f64, encode_srgb_f64};
 use pellucid_core::points::Points;
 use pellucid_scene::ColorSpace;
 
 /// Returns the color of the Gaussian that a point is, in the space that blending runs in; `None` of a point that is
-/// none. It is max(0, base + Σ Y·coefficient) as display value, seen from the eye, or along the viewing direction by an
-/// orthographic camera.
+/// none. It is max(0, base + Σ Y·coefficient), a display value or linear as the splat's colors are, seen from the eye, or
+/// along the viewing direction by an orthographic camera.
 pub fn color(points: &Points, index: usize, camera: &Camera, space: ColorSpace) -> Option<DVec3> {
     let all = points.gaussians.as_ref().filter(|all| all.is_one(index))?;
     let toward = points.positions[index] - camera.eye;
     let direction = if is_orthographic(camera) { camera.forward } else { toward.normalize_or_zero() };
     let values = basis(direction, all.degree);
     let sum: DVec3 = values[1..].iter().zip(all.harmonics_of(index)).map(|(y, f)| *y * f.as_dvec3()).sum();
-    let encoded = (all.bases[index].as_dvec3() + sum).max(DVec3::ZERO);
-    Some(match space {
-        ColorSpace::Encoded => encoded,
-        ColorSpace::Linear => encoded.map(decode_srgb_f64),
+    let color = (all.bases[index].as_dvec3() + sum).max(DVec3::ZERO);
+    Some(match (space, all.is_linear(index)) {
+        (ColorSpace::Encoded, false) | (ColorSpace::Linear, true) => color,
+        (ColorSpace::Encoded, true) => color.map(encode_srgb_f64),
+        (ColorSpace::Linear, false) => color.map(decode_srgb_f64),
     })
 }
 

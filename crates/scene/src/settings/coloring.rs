@@ -91,8 +91,8 @@ macro_rules! words_or_scalar {
 words_or_scalar! {
     /// `color_by` of a `[[cloud]]`.
     pub enum ColorBy {
-        /// The file's colors unless all are black or all white; else classes if there are three besides 0 and 1; else
-        /// height.
+        /// The file's colors unless all are black or all white, those of Gaussian splats always; else classes if there
+        /// are three besides 0 and 1; else height.
         Auto = "auto",
         /// The file's colors.
         Rgb = "rgb",

@@ -31,6 +31,7 @@ use crate::supply::{Block, Branch, Failure, Keep, Supply};
 use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::sampling::Sampling;
 use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::color::ColorSpace;
 use pellucid_core::parallel;
 use pellucid_core::points::{Anchor, Points, Spheres, WholeScene, WholeSplats};
 use pellucid_core::progress::{Phase, Progress};
@@ -79,6 +80,15 @@ pub fn are_complete(scene: &Scene, stores: &[OpenStore]) -> Result<bool, Error> 
     Ok(complete && !is_unlit(scene, stores))
 }
 
+/// Notes about the filters that Gaussians were trained with.
+fn filter_notes(scene: &Scene, stores: &[OpenStore]) -> Vec<String> {
+    let note = |(settings, store): (&CloudSettings, &OpenStore)| {
+        let note = gaussians::filter_note(scene, settings, &store.summary().like)?;
+        Some(format!("{}: {note}", settings.path.display()))
+    };
+    scene.clouds.iter().zip(stores).filter_map(note).collect()
+}
+
 /// A scene whose clouds are stores.
 #[derive(Debug, Clone)]
 pub struct Stored {
@@ -89,8 +99,8 @@ pub struct Stored {
     pub legend: Legend,
     /// Everything else that should be known, one sentence each.
     pub notes: Vec<String>,
-    /// `true` if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of it.
-    pub blends_displays: bool,
+    /// The space in which colors are blended because every cloud is of Gaussians, and the scene says nothing of it.
+    pub blend_space: Option<ColorSpace>,
     /// `true` if some clouds are of Gaussians.
     pub has_gaussians: bool,
 }
@@ -132,11 +142,10 @@ impl Stored {
     ) -> Result<Self, crate::OpenError> {
         progress.begin(Phase::Prepare);
         let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
-        let is_of_gaussians =
-            |index: usize| stores.get(index).is_some_and(|store| store.summary().like.gaussians.is_some());
-        let blends_displays = scene.settle_for(is_of_gaussians);
-        let has_gaussians = (0..stores.len()).any(is_of_gaussians);
-        let mut notes = Vec::new();
+        let gaussians = |index: usize| stores.get(index)?.summary().like.gaussians.as_ref();
+        let blend_space = scene.settle_for(|index| gaussians(index).map(Gaussians::blend_space));
+        let has_gaussians = (0..stores.len()).any(|index| gaussians(index).is_some());
+        let mut notes = filter_notes(&scene, stores);
         let is_unlit = is_unlit(&scene, stores);
         if is_unlit {
             scene.shading.model = match scene.shading.model {
@@ -195,7 +204,7 @@ impl Stored {
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };
         let sample = Arc::new(Points { whole: Some(Arc::new(whole)), ..sample });
-        Ok(Self { nodes, sample, legend, notes, blends_displays, has_gaussians })
+        Ok(Self { nodes, sample, legend, notes, blend_space, has_gaussians })
     }
 
     /// Returns the scene, without shading where points have no normals to shade by.

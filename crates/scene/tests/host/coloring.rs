@@ -2,6 +2,7 @@
 //! documentation.
 
 use glam::{DVec3, Vec3};
+use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::color::classes;
 use pellucid_core::color::colormap::Colormap;
@@ -237,4 +238,26 @@ fn errors_for_missing_columns_list_the_columns_there_are() {
     }
     let warnings = scene_of("color_by = 'rgb'\nlog = true").warnings;
     assert_eq!(warnings, ["s.toml:5:7: `log` has no effect with color_by = \"rgb\""]);
+}
+
+#[test]
+fn white_and_black_splats_keep_their_colors() {
+    // White ones, black ones, and those whose base is brighter than white; heights would give each of two another color.
+    for base in [Vec3::ONE, Vec3::ZERO, Vec3::splat(2.0)] {
+        let splats = Gaussians { extents: vec![Vec3::ONE; 2], bases: vec![base; 2], ..Gaussians::none(2) };
+        let splats = Gaussians { harmonics: vec![Vec3::splat(0.25); 6], degree: 1, ..splats };
+        let own: Vec<Vec3> = (0..2).map(|at| splats.linear_base(at)).collect();
+        let white = Cloud { colors: Some(own.clone()), gaussians: Some(splats.clone()), ..cloud(2) };
+        assert_eq!(colors("", white.clone()), own);
+        let points =
+            assemble(&scene_of("primitive = 'points'"), vec![white.clone()], false, &Progress::hidden()).unwrap();
+        assert_eq!(points.colors, own, "as points too");
+        let points = assemble(&scene_of(""), vec![white.clone()], false, &Progress::hidden()).unwrap();
+        assert_eq!(points.gaussians.unwrap().harmonics, splats.harmonics);
+        // Points without splats are colored by height, as before.
+        let other = Cloud { gaussians: None, ..white };
+        if base != Vec3::splat(2.0) {
+            assert_ne!(colors("", other), own);
+        }
+    }
 }

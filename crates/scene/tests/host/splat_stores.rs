@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Quat, Vec3};
-use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear, reach};
+use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians, coefficients, linear, reach};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
 use pellucid_io::store::build::{Built, Settings, build};
@@ -91,6 +91,31 @@ fn bits(cloud: &Cloud) -> (Vec<u64>, Vec<u32>) {
     let colors = cloud.colors.iter().flatten().flat_map(|color| color.to_array());
     let columns = colors.chain(cloud.alphas.iter().flatten().copied()).map(f32::to_bits);
     (positions, columns.chain((0..splats.len()).flat_map(|i| splats.bits(i))).collect())
+}
+
+#[test]
+fn linear_and_display_colors_stay_what_they_are() {
+    let coded = |coding: ColorCoding, count: usize, degree: u32| {
+        let mut cloud = soup(count, degree);
+        let all = cloud.gaussians.as_mut().unwrap();
+        all.coding = coding;
+        cloud.colors = Some((0..count).map(|at| all.linear_base(at)).collect());
+        cloud
+    };
+    let each = ColorCoding::Each((0..60).map(|at| at % 4 == 1).collect());
+    for cloud in [coded(ColorCoding::Linear, 90, 1), coded(each.clone(), 60, 0), soup(50, 2)] {
+        let (_folder, target, _) = written(&[held(cloud.clone())], &settings(8, ROOMY));
+        assert_eq!(load(&target).unwrap(), cloud);
+        let like = Octree::open(&target).unwrap().summary().like.gaussians.clone().unwrap();
+        assert_eq!(like.may_be_linear(), cloud.gaussians.unwrap().may_be_linear(), "what is known before any is read");
+    }
+    // Two clouds in one store keep theirs.
+    let (first, second) = (coded(ColorCoding::Linear, 30, 1), soup(40, 1));
+    let (_folder, target, _) = written(&[held(first.clone()), held(second.clone())], &settings(8, ROOMY));
+    let mut both = first;
+    both.append(second);
+    assert_eq!(load(&target).unwrap(), both);
+    assert_eq!((0..70).filter(|at| both.gaussians.as_ref().unwrap().is_linear(*at)).count(), 30);
 }
 
 #[test]

@@ -35,7 +35,7 @@ impl Model {
         self.picture_state = PictureState::Requested(self.serial, refined);
         let mut scene = Scene::clone(&self.scene);
         scene.image.size = self.viewport.size;
-        scene.settle_for(|cloud| self.statistics().get(cloud).is_some_and(|statistics| statistics.gaussians));
+        scene.settle_for(|cloud| self.statistics().get(cloud)?.blend_space);
         self.explained = self.shows.explains_colors();
         let (scene, pose, serial, legend) = (Arc::new(scene), self.pose, self.serial, self.explained);
         Some(Task::Show(Box::new(Request { scene, pose, effort, serial, legend })))

@@ -108,9 +108,13 @@ impl Document {
     /// Checks that all is known that must be.
     pub fn check(&self) -> Result<(), String> {
         match self.extensions_required.iter().find(|name| !KNOWN.contains(&name.as_str())) {
-            Some(name) => {
+            Some(name) if name.contains("compression") => {
                 Err(format!("the file needs {name}, which is not supported; write the file without compression"))
             }
+            Some(name) => Err(format!(
+                "the file requires {name}, which is not supported; if its splats are right without it, move the name to \
+                 extensionsUsed alone"
+            )),
             None => Ok(()),
         }
     }

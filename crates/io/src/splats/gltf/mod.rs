@@ -9,7 +9,6 @@ mod buffers;
 mod document;
 mod nodes;
 mod primitive;
-mod turn;
 
 use super::{Splats, all_bytes, check_count};
 use crate::{Error, InputFile};
@@ -54,7 +53,23 @@ pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Erro
         cloud.append(part);
     }
     cloud.warnings.extend(warnings(&primitives, logarithms, others));
+    if !logarithms {
+        cloud.warnings.extend(oversized(&cloud));
+    }
     Ok(cloud)
+}
+
+/// Returns a warning if an extent is larger than the whole cloud: then scales may be logarithms of which none is below
+/// zero.
+fn oversized(cloud: &Cloud) -> Option<String> {
+    let largest = cloud.gaussians.iter().flat_map(|splats| &splats.extents).map(|extents| extents.max_element());
+    let (largest, diagonal) = (largest.fold(0.0, f32::max), cloud.bounds()?.diagonal());
+    (diagonal > 0.0 && f64::from(largest) > diagonal).then(|| {
+        format!(
+            "a splat's standard deviation is {largest}, but all centers lie within {diagonal:.4}: if the file follows a draft \
+             of {EXTENSION}, its scales are meant as logarithms, and are read wrong"
+        )
+    })
 }
 
 /// Returns warnings of what is odd about the file.
@@ -62,14 +77,6 @@ fn warnings(primitives: &[Primitive], logarithms: bool, others: usize) -> Vec<St
     let mut warnings = Vec::new();
     if logarithms {
         warnings.push(format!("a scale is below 0, so all scales are read as logarithms, as in drafts of {EXTENSION}"));
-    }
-    if primitives.iter().any(|primitive| primitive.linear) {
-        let how = if primitives.iter().any(|primitive| primitive.linear && primitive.degree > 0) {
-            "; harmonics are multiplied by the slope of the conversion at the color without them"
-        } else {
-            ""
-        };
-        warnings.push(format!("linear colors are converted to display values{how}"));
     }
     for odd in primitives.iter().flat_map(|primitive| &primitive.odd) {
         if !warnings.contains(odd) {

@@ -1,16 +1,15 @@
 //! The attributes of a primitive of splats.
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3};
 use serde_json::Value;
 
+use super::super::turn::Turn;
 use super::super::{Splat, Splats, from_coefficient};
 use super::EXTENSION;
 use super::accessor::Numbers;
 use super::buffers::Buffers;
 use super::document::{Document, PrimitiveOf};
 use super::nodes::Transform;
-use super::turn::Turn;
-use pellucid_core::color::encode_srgb_f64;
 use pellucid_core::progress::Progress;
 
 /// The highest degree that attributes are named for.
@@ -98,20 +97,12 @@ impl<'a> Primitive<'a> {
                 center: transform.point(self.position.get::<3>(at).into()),
                 extents: scale * transform.scale,
                 rotation: transform.rotation * DQuat::from_array(self.rotation.get::<4>(at)),
-                base: if self.linear { encoded(base, harmonics) } else { base },
+                base,
+                linear: self.linear,
                 alpha: opacity,
             }
         })
     }
-}
-
-/// The display value of a linear color, whose harmonics become those of the tangent there.
-fn encoded(linear: DVec3, harmonics: &mut [Vec3]) -> DVec3 {
-    let step = 1e-4;
-    let slope = |value: f64| (encode_srgb_f64(value + step) - encode_srgb_f64(value - step)) / (2.0 * step);
-    let slopes = DVec3::new(slope(linear.x), slope(linear.y), slope(linear.z)).as_vec3();
-    harmonics.iter_mut().for_each(|color| *color *= slopes);
-    DVec3::new(encode_srgb_f64(linear.x), encode_srgb_f64(linear.y), encode_srgb_f64(linear.z))
 }
 
 /// Properties whose values are unknown.
@@ -122,19 +113,4 @@ fn odd(about: &Value) -> Vec<String> {
         (!values.contains(&value)).then(|| format!("{name} {value:?} is unknown; read as {:?}", values[0]))
     });
     unknown.collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use pellucid_core::cloud::gaussians::coefficients;
-
-    #[test]
-    fn linear_colors_become_display_values() {
-        let mut harmonics = vec![Vec3::splat(0.01); coefficients(1)];
-        let base = encoded(DVec3::new(0.5, 0.0, -0.1), &mut harmonics);
-        assert!((base.x - 0.735_357).abs() < 1e-6 && base.y == 0.0 && (base.z + 1.292).abs() < 1e-12);
-        // 1.055/2.4·0.5^(1/2.4 − 1), and the linear part.
-        assert!((harmonics[0].x - 0.006_586).abs() < 1e-6 && (harmonics[2].z - 0.1292).abs() < 1e-6);
-    }
 }

@@ -100,6 +100,7 @@ impl<'a> Pictures<'a> {
             extents: DVec3::new(scale.number(sx).exp(), scale.number(sy).exp(), scale.number(sz).exp()),
             rotation: rotation(self.quats.at(at)),
             base: from_coefficient(DVec3::new(color.number(red), color.number(green), color.number(blue))),
+            linear: false,
             alpha: f64::from(alpha) / 255.0,
         }
     }

@@ -2,8 +2,11 @@
 //!
 //! Up to version 3 header and planes are one gzip stream; in version 4 ([`streams`]) the header is plain and each plane
 //! is a Zstandard stream. The planes are the same: positions, opacities, colors, scales, rotations, harmonics. The axes
-//! of SPZ are right, up, back, those of other splats right, down, front; splats get the latter.
+//! of SPZ are right, up, back, unless an extension ([`extensions`]) names others; those of other splats are right, down,
+//! front ([`frame`]). Splats get the latter.
 
+mod extensions;
+mod frame;
 mod planes;
 mod streams;
 
@@ -14,6 +17,7 @@ use flate2::bufread::MultiGzDecoder;
 use super::{Splats, all_bytes, check_count};
 use crate::number::word;
 use crate::{Error, InputFile, SharedFile};
+use extensions::Extensions;
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::MAX_DEGREE;
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -47,35 +51,46 @@ struct Header {
     flags: u8,
 }
 
+/// What a file has.
+struct Content {
+    header: Header,
+    planes: Planes,
+    /// Records of extensions.
+    records: Vec<u8>,
+}
+
 pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Error> {
     let (file, bytes) = all_bytes(source)?;
-    let (header, planes) = if bytes.starts_with(GZIP) {
+    let Content { header, mut planes, records } = if bytes.starts_with(GZIP) {
         unzipped(&file, &bytes)?
     } else {
         let header = Header::parse(&file, &bytes)?;
-        let planes =
-            if header.version < 4 { plain(&file, &bytes, &header)? } else { streams::read(&file, &bytes, &header)? };
-        (header, planes)
+        if header.version < 4 { plain(&file, &bytes, header)? } else { streams::read(&file, &bytes, header)? }
     };
+    let has_extensions = header.flags & EXTENSIONS != 0;
+    let extensions = if has_extensions { extensions::read(&records) } else { Ok(Extensions::default()) };
+    let Extensions { frame, warnings } = extensions.map_err(|cause| file.malformed("extensions", cause))?;
+    planes.frame = frame;
     let splats =
         Splats::gather(header.count as usize, header.degree, progress, |at, harmonics| planes.splat(at, harmonics));
     let mut cloud = splats.finish(UpAxis::NegativeY);
     cloud.filter = (header.flags & ANTIALIASED != 0).then_some(Filter::Mip);
-    if header.flags & EXTENSIONS != 0 {
-        cloud.warnings.push("extensions of the SPZ file are not read".to_owned());
-    }
+    cloud.warnings.extend(warnings);
     Ok(cloud)
 }
 
 /// Planes that stand behind their header as they are.
-fn plain(file: &SharedFile, bytes: &[u8], header: &Header) -> Result<Planes, Error> {
+fn plain(file: &SharedFile, bytes: &[u8], header: Header) -> Result<Content, Error> {
     header.check(file, None)?;
-    let planes = Planes::cut(header, &bytes[HEADER..]);
-    planes.map_err(|lacking| file.truncated(format!("{lacking} of {} splats", header.count)))
+    let planes = Planes::cut(&header, &bytes[HEADER..]);
+    let planes = planes.map_err(|lacking| file.truncated(format!("{lacking} of {} splats", header.count)))?;
+    let end = HEADER as u64 + planes::lengths(&header).iter().sum::<u64>();
+    let records = bytes.get(end as usize..).unwrap_or_default().to_vec();
+    Ok(Content { header, planes, records })
 }
 
 /// The header and the planes of a gzip stream. No more of it is unpacked than the header announces.
-fn unzipped(file: &SharedFile, bytes: &[u8]) -> Result<(Header, Planes), Error> {
+fn unzipped(file: &SharedFile, bytes: &[u8]) -> Result<Content, Error> {
     let mut stream = MultiGzDecoder::new(bytes);
     let mut take = |most: u64| {
         let mut some = Vec::new();
@@ -96,11 +111,11 @@ fn unzipped(file: &SharedFile, bytes: &[u8]) -> Result<(Header, Planes), Error> 
     }
     header.check(file, Some(bytes.len() as u64))?;
     let content = take(planes::lengths(&header).iter().sum())?;
-    // An extension may follow. If nothing does, the checksum is compared.
-    take(1)?;
+    // Extensions may follow. If nothing does, or all of them are read, the checksum is compared.
+    let records = take(if header.flags & EXTENSIONS != 0 { extensions::MOST_BYTES } else { 1 })?;
     let planes = Planes::cut(&header, &content);
     let planes = planes.map_err(|lacking| file.truncated(format!("{lacking} of {} splats", header.count)))?;
-    Ok((header, planes))
+    Ok(Content { header, planes, records })
 }
 
 impl Header {

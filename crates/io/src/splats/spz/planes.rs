@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3, Vec3};
 
 use super::super::{Splat, from_coefficient};
 use super::Header;
+use super::frame::Frame;
 use crate::number::{half, word};
 use pellucid_core::cloud::gaussians::coefficients;
 
@@ -23,8 +24,8 @@ pub(super) struct Planes {
     step: f64,
     /// Planes of the file, in the order of [`NAMES`].
     planes: [Vec<u8>; 6],
-    /// 1 or −1 for each coefficient from degree 1 on, which turns the axes of SPZ into those of other splats.
-    signs: Vec<f32>,
+    /// The axes of the file.
+    pub frame: Frame,
 }
 
 /// Returns bytes of each plane.
@@ -38,12 +39,7 @@ pub(super) fn lengths(header: &Header) -> [u64; 6] {
 impl Planes {
     /// Returns planes of the lengths that the header tells.
     pub fn new(header: &Header, planes: [Vec<u8>; 6]) -> Self {
-        Self {
-            version: header.version,
-            step: (-f64::from(header.fraction)).exp2(),
-            planes,
-            signs: signs(header.degree),
-        }
+        Self { version: header.version, step: (-f64::from(header.fraction)).exp2(), planes, frame: Frame::default() }
     }
 
     /// Returns the planes that stand one behind the other; if one ends too early, a message that says which.
@@ -64,16 +60,17 @@ impl Planes {
         let [_, alphas, colors, scales, _, coefficients] = &self.planes;
         let three = |plane: &[u8]| [0, 1, 2].map(|channel| f64::from(plane[at * 3 + channel]));
         let stride = harmonics.len();
-        for (place, (color, sign)) in harmonics.iter_mut().zip(&self.signs).enumerate() {
+        for (place, color) in harmonics.iter_mut().enumerate() {
             let stored = &coefficients[(at * stride + place) * 3..][..3];
-            *color = Vec3::from([0, 1, 2].map(|channel| (f32::from(stored[channel]) - 128.0) / 128.0)) * *sign;
+            *color = Vec3::from([0, 1, 2].map(|channel| (f32::from(stored[channel]) - 128.0) / 128.0));
         }
-        let center = self.position(at);
+        self.frame.turn_harmonics(harmonics);
         Splat {
-            center: DVec3::new(center.x, -center.y, -center.z),
+            center: self.frame.position(self.position(at)),
             extents: DVec3::from(three(scales).map(|byte| (byte / 16.0 - 10.0).exp())),
-            rotation: self.rotation(at),
+            rotation: self.frame.rotation(self.rotation(at)),
             base: from_coefficient(DVec3::from(three(colors).map(|byte| (byte / 255.0 - 0.5) / COLOR))),
+            linear: false,
             alpha: f64::from(alphas[at]) / 255.0,
         }
     }
@@ -91,7 +88,6 @@ impl Planes {
         }))
     }
 
-    /// The rotation in the other axes: half a turn around x before and after it changes the signs of y and z.
     fn rotation(&self, at: usize) -> DQuat {
         let plane = &self.planes[4];
         let [x, y, z, w] = if self.version < 3 {
@@ -100,7 +96,7 @@ impl Planes {
         } else {
             smallest_three(word(plane, at * 4))
         };
-        DQuat::from_xyzw(x, -y, -z, w)
+        DQuat::from_xyzw(x, y, z, w)
     }
 }
 
@@ -118,24 +114,9 @@ fn smallest_three(word: u32) -> [f64; 4] {
     parts
 }
 
-/// Returns how the harmonics of each degree and order change where y and z change their signs: those of negative order
-/// are odd in y, and those whose degree and order differ by an odd number are odd in z.
-fn signs(degree: u32) -> Vec<f32> {
-    let orders = (1..=degree as i32).flat_map(|degree| (-degree..=degree).map(move |order| (degree, order)));
-    orders.map(|(degree, order)| if (order < 0) != ((degree + order) % 2 != 0) { -1.0 } else { 1.0 }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn signs_are_those_of_the_polynomials() {
-        // y, z, x; xy, yz, 2z²−x²−y², xz, x²−y²; y(3x²−y²), xyz, y(…z²…), z(…), x(…), z(x²−y²), x(…); of degree 4 xy,
-        // yz, xy, yz, 1, xz, x²−y², xz, 1.
-        let expected = [-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1, -1, 1, -1, 1, 1, -1, 1, -1, 1];
-        assert_eq!(signs(4), expected.map(|sign| sign as f32));
-    }
 
     #[test]
     fn the_largest_part_is_left_out() {

@@ -1,7 +1,7 @@
 //! SPZ 4: a plain header, a table of lengths, and a Zstandard stream for each plane.
 
 use super::planes::{NAMES, Planes, lengths};
-use super::{Error, Header, SharedFile};
+use super::{Content, Error, Header, SharedFile};
 use crate::decoder;
 use crate::number::{long, word};
 
@@ -11,14 +11,15 @@ const HEADER: u64 = 32;
 /// Bytes of a line of the table: those of the stream, and those that come of it.
 const LINE: u64 = 16;
 
-/// Returns the planes of a file. Only as much of a stream is unpacked as its plane has.
-pub(super) fn read(file: &SharedFile, bytes: &[u8], header: &Header) -> Result<Planes, Error> {
+/// Returns the planes of a file, and the records of extensions, which stand before the table. Only as much of a stream
+/// is unpacked as its plane has.
+pub(super) fn read(file: &SharedFile, bytes: &[u8], header: Header) -> Result<Content, Error> {
     if (bytes.len() as u64) < HEADER {
         return Err(file.truncated(format!("the file has {} bytes, but the header alone has {HEADER}", bytes.len())));
     }
     header.check(file, Some(bytes.len() as u64))?;
     let (streams, table) = (u64::from(bytes[15]), u64::from(word(bytes, 16)));
-    let lengths = lengths(header);
+    let lengths = lengths(&header);
     // Planes without bytes have no stream.
     let expected = lengths.iter().filter(|len| **len > 0).count() as u64;
     if streams != expected {
@@ -50,7 +51,8 @@ pub(super) fn read(file: &SharedFile, bytes: &[u8], header: &Header) -> Result<P
             .map_err(|cause| file.malformed(format!("stream of {name}"), cause))?;
         place = end;
     }
-    Ok(Planes::new(header, planes))
+    let records = bytes[HEADER as usize..table as usize].to_vec();
+    Ok(Content { planes: Planes::new(&header, planes), header, records })
 }
 
 /// The bytes of a stream, which are to be so many, or what is wrong with them.

@@ -47,6 +47,9 @@ pub fn encode(layout: &AttributeLayout, cube: &Cube, cloud: &Cloud, places: &[u6
             Role::Extents => writer.singles(splats().flat_map(|splats| &splats.extents).map(Vec3::to_array)),
             Role::Rotation => writer.singles(splats().flat_map(|splats| &splats.rotations).map(Quat::to_array)),
             Role::Base => writer.singles(splats().flat_map(|splats| &splats.bases).map(Vec3::to_array)),
+            Role::Linearity => splats().for_each(|splats| {
+                writer.each(0..splats.len(), |bytes, splat| bytes[0] = splats.is_linear(splat).into());
+            }),
             Role::Harmonics(_) => splats().for_each(|splats| writer.harmonics(splats)),
             Role::Place => writer.places(places),
             Role::Alpha => writer.floats(cloud.alphas.iter().flatten().copied()),

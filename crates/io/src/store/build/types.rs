@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::super::Grid;
 use super::super::octree::attributes::{AttributeLayout, NumberType, Role};
 use pellucid_core::cloud::Cloud;
-use pellucid_core::cloud::gaussians::linear;
+use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::color::{encode_srgb, linear_values};
 
 /// The type of a column of float32 numbers.
@@ -104,11 +104,12 @@ impl Types {
     /// grid.
     pub fn of(cloud: &Cloud, grid: &Grid) -> Self {
         let is_rounded = |color: &Vec3| color.to_array().iter().any(|linear| exact_srgb(*linear).is_none());
-        let differs = |(color, base): (&Vec3, &Vec3)| *color != linear(*base);
         let linear_colors = match (&cloud.colors, &cloud.gaussians) {
             (None, _) => false,
             (Some(colors), None) => colors.par_iter().any(is_rounded),
-            (Some(colors), Some(splats)) => colors.par_iter().zip(&splats.bases).any(differs),
+            (Some(colors), Some(splats)) => {
+                colors.par_iter().enumerate().any(|(at, color)| *color != splats.linear_base(at))
+            }
         };
         Self {
             linear_colors,
@@ -168,6 +169,8 @@ impl Types {
         let shape = [Role::Extents, Role::Rotation, Role::Base];
         shape.into_iter().for_each(|role| add(degree.is_some(), role, NumberType::Float));
         add(degree > Some(0), Role::Harmonics(degree.unwrap_or(0)), NumberType::Float);
+        let may_be_linear = like.gaussians.as_ref().is_some_and(Gaussians::may_be_linear);
+        add(may_be_linear, Role::Linearity, NumberType::Uint8);
         if let Some(kind) = self.exact.kind() {
             add(true, Role::Exact, kind);
         }

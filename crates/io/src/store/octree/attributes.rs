@@ -45,8 +45,10 @@ pub enum Role {
     Extents,
     /// The unit quaternion that turns x, y and z into these axes: x, y, z, w.
     Rotation,
-    /// The display color of a Gaussian without harmonics of higher degree, not clamped.
+    /// The color of a Gaussian without harmonics of higher degree, not clamped.
     Base,
+    /// 1 if the colors of a Gaussian are linear, 0 if they are display values, as without this attribute.
+    Linearity,
     /// The harmonics of a Gaussian from degree 1 to this one: red, green and blue of each.
     Harmonics(u8),
     /// The point's place in its source.
@@ -103,6 +105,7 @@ impl Role {
             Self::Extents => "extents",
             Self::Rotation => "rotation",
             Self::Base => "base",
+            Self::Linearity => "linearity",
             Self::Harmonics(_) => "harmonics",
             Self::Place => "place",
             Self::Ignored => "",
@@ -134,7 +137,7 @@ impl Role {
                     && kind == NumberType::Float
                     && elements == self.elements()
             }
-            Self::Classification => kind == NumberType::Uint8 && elements == 1,
+            Self::Classification | Self::Linearity => kind == NumberType::Uint8 && elements == 1,
             Self::Ignored => true,
             _ => kind != NumberType::Undefined && elements == 1,
         }
@@ -168,6 +171,8 @@ pub(crate) struct SplatAttributes<'a> {
     pub base: &'a Attribute,
     /// Spherical harmonics with their degree; `None` for degree 0.
     pub harmonics: Option<(&'a Attribute, u32)>,
+    /// [`Role::Linearity`], if any colors may be linear.
+    pub linearity: Option<&'a Attribute>,
 }
 
 impl SplatAttributes<'_> {
@@ -245,7 +250,8 @@ impl AttributeLayout {
         let roles = [Role::Extents, Role::Rotation, Role::Base];
         let found = roles.each_ref().map(|role| self.find(role));
         if let [Some(extents), Some(rotation), Some(base)] = found {
-            return Ok(Some(SplatAttributes { extents, rotation, base, harmonics }));
+            let linearity = self.find(&Role::Linearity);
+            return Ok(Some(SplatAttributes { extents, rotation, base, harmonics, linearity }));
         }
         if harmonics.is_none() && found.iter().all(Option::is_none) {
             return Ok(None);

@@ -7,7 +7,7 @@ use crate::channel::{full_integer, unit_or};
 use crate::columns::unit_or_zero;
 use crate::number::{at, word};
 use crate::store::Grid;
-use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear};
+use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians, coefficients};
 use pellucid_core::cloud::{Cloud, GPS_TIME, Prepared};
 use pellucid_core::color::linear_values;
 
@@ -93,6 +93,9 @@ impl Decoder {
         let splats = self.layout.splats().ok().flatten()?;
         let degree = splats.degree();
         let mut all = Gaussians::none(positions.len()).with_degree(degree);
+        if let Some(linearity) = splats.linearity {
+            all.coding = ColorCoding::of(columns.each(linearity).map(|bytes| bytes[0] != 0).collect());
+        }
         let count = coefficients(degree);
         let mut shapes = columns.each(splats.extents).zip(columns.each(splats.rotation));
         let mut bases = columns.each(splats.base);
@@ -126,7 +129,7 @@ impl Decoder {
         let rgb = self.layout.find(&Role::Rgb)?;
         if let Some(splats) = splats {
             // In addition to them `rgb` is for other programs.
-            return Some(splats.bases.iter().map(|base| linear(*base)).collect());
+            return Some((0..splats.len()).map(|at| splats.linear_base(at)).collect());
         }
         let last = self.table.len().checked_sub(1)?;
         let size = rgb.kind.bytes()?;

@@ -57,6 +57,7 @@ pub fn unordered(splats: &[Splat]) -> Points {
         bases: splats.iter().map(|splat| splat.base).collect(),
         degree: (0..5).find(|degree| coefficients(*degree) == count).unwrap_or(0),
         harmonics: splats.iter().flat_map(|splat| splat.harmonics.clone()).collect(),
+        ..Gaussians::default()
     };
     Points {
         positions: splats.iter().map(|splat| splat.position).collect(),

@@ -127,6 +127,7 @@ fn gaussians(number: u32, points: Points) -> Points {
         degree: DEGREE,
         harmonics: (0..count).flat_map(|i| (0..own).map(move |k| (i, k))).map(|(i, k)| coefficient(i, k)).collect(),
         extents,
+        ..Gaussians::default()
     };
     let radii = splats.extents.iter().map(|extents| REACH * extents.max_element()).collect();
     Points { normals: None, radii, gaussians: Some(splats), ..points }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use pellucid_core::cloud::gaussians::ColorCoding;
 use pellucid_reference::gaussians::harmonics::{basis, color};
 
 use super::*;
@@ -127,6 +128,18 @@ fn colored(base: Vec3, harmonics: [Vec3; 3]) -> Points {
     let gaussians = points.gaussians.as_mut().unwrap();
     (gaussians.degree, gaussians.harmonics, gaussians.bases) = (1, harmonics.to_vec(), vec![base]);
     points
+}
+
+#[test]
+fn linear_colors_are_encoded_after_their_harmonics() {
+    let mut points = colored(Vec3::splat(0.5), [Vec3::X, Vec3::Y, Vec3::Z]);
+    points.gaussians.as_mut().unwrap().coding = ColorCoding::Linear;
+    let y1 = 0.4886025119029199;
+    // The sum of the next test, which is linear here.
+    let linear = DVec3::new(0.5, 0.5 - 0.8 * y1, 0.5 - 0.6 * y1);
+    assert!(color(&points, 0, &perspective(), ColorSpace::Linear).unwrap().abs_diff_eq(linear, ROUNDING));
+    let display = linear.map(|value| 1.055 * value.powf(1.0 / 2.4) - 0.055);
+    assert!(color(&points, 0, &perspective(), ColorSpace::Encoded).unwrap().abs_diff_eq(display, ROUNDING));
 }
 
 #[test]

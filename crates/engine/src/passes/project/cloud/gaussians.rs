@@ -12,7 +12,7 @@ const HARMONICS: &str = "Gaussians, harmonics";
 
 /// Shapes and colors of Gaussians, an element or more for each point of the cloud.
 pub struct GaussianColumns {
-    /// Standard deviations in world units, 0 of points that are none.
+    /// Standard deviations in world units, 0 of points that are none; the last number is 1 if colors are linear.
     pub extents: Buffer<[f32; 4]>,
     /// Unit quaternions, x y z w.
     pub rotations: Buffer<[f32; 4]>,
@@ -106,9 +106,10 @@ impl GaussianColumns {
     /// Brings the columns of as many Gaussians of the same degree to the device.
     fn upload(&self, gaussians: &Gaussians) -> Result<(), Error> {
         let count = gaussians.len() as u64;
+        let linear = |splat: usize| f32::from(u8::from(gaussians.is_linear(splat)));
         self.extents.upload_by(count, |range, to| {
-            let from = &gaussians.extents[range];
-            parallel::for_each_mut(to, |i, to| *to = from[i].extend(0.0).to_array());
+            let (first, from) = (range.start, &gaussians.extents[range]);
+            parallel::for_each_mut(to, |i, to| *to = from[i].extend(linear(first + i)).to_array());
         })?;
         self.rotations.upload_by(count, |range, to| {
             let from = &gaussians.rotations[range];

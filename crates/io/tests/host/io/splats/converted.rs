@@ -111,8 +111,8 @@ fn a_ply_file_holds_random_splats() {
 
 #[test]
 fn splat() {
-    // Four parts of a quaternion, each off by half a step of 2/255.
-    let bounds = Bounds { rotation: 2.0 * 2.0 / 255.0, base: UNIT, alpha: UNIT, ..EXACT };
+    // Four parts of a quaternion, each off by half a step of 1/128.
+    let bounds = Bounds { rotation: 2.0 * 2.0 / 256.0, base: UNIT, alpha: UNIT, ..EXACT };
     assert_reads_as_soup("soup.splat", 0, None, &bounds);
 }
 

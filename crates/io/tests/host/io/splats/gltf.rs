@@ -1,8 +1,10 @@
 //! Splats of glTF files: placed by nodes, of drafts, of linear colors, and those that can't be read.
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
+use pellucid_core::cloud::gaussians::ColorCoding;
 use pellucid_core::cloud::{Cloud, UpAxis};
-use pellucid_core::color::encode_srgb;
 use serde_json::{Value, json};
 
 use super::super::{assert_refused, load, load_bytes};
@@ -93,25 +95,48 @@ fn extension(json: &mut Value) -> &mut Value {
 }
 
 #[test]
-fn linear_colors_become_display_values() {
+fn linear_colors_stay_linear_and_so_do_their_harmonics() {
     let linear = changed(|json| extension(json)["colorSpace"] = "lin_rec709_display".into());
     let cloud = load_bytes("a.gltf", linear).unwrap();
     let soup = load(&folder().join("soup.gltf")).unwrap();
-    assert!(
-        cloud.warnings[0].contains("linear colors are converted") && cloud.warnings[0].contains("slope"),
-        "{:?}",
-        cloud.warnings
-    );
+    assert!(cloud.warnings.is_empty(), "{:?}", cloud.warnings);
     let (own, other) = (cloud.gaussians.unwrap(), soup.gaussians.unwrap());
-    for at in 0..40 {
-        let expected = Vec3::from(other.bases[at].to_array().map(encode_srgb));
-        assert!(own.bases[at].distance(expected) < 1e-6);
-        // A small harmonic changes the display value as the curve has it there.
-        let small = 1e-3;
-        let slope = (encode_srgb(other.bases[at].x + small) - encode_srgb(other.bases[at].x - small)) / (2.0 * small);
-        let off = own.harmonics_of(at)[0].x - other.harmonics_of(at)[0].x * slope;
-        assert!(off.abs() < 1e-2 * slope, "{off}");
-    }
+    assert_eq!((&own.coding, &other.coding), (&ColorCoding::Linear, &ColorCoding::Display));
+    assert_eq!((&own.bases, &own.harmonics), (&other.bases, &other.harmonics));
+    let clamped = own.bases.iter().map(|base| base.clamp(Vec3::ZERO, Vec3::ONE));
+    assert!(cloud.colors.unwrap().into_iter().eq(clamped), "without harmonics they are the colors of points");
+    let both = changed(|json| {
+        let list = json["meshes"][0]["primitives"].as_array_mut().unwrap();
+        list.push(list[0].clone());
+        list[1]["extensions"]["KHR_gaussian_splatting"]["colorSpace"] = "lin_rec709_display".into();
+    });
+    let both = load_bytes("a.gltf", both).unwrap().gaussians.unwrap();
+    assert!((0..80).all(|at| both.is_linear(at) == (at >= 40)), "each primitive has its own");
+}
+
+#[test]
+fn scales_beyond_the_cloud_are_doubted() {
+    let warnings = |largest: f64| {
+        // Nodes double all sizes.
+        let diagonal = load(&folder().join("soup.gltf")).unwrap().bounds().unwrap().diagonal() / 2.0;
+        let text = changed(|json| {
+            let scale = |at: usize| if at == 7 { (largest * diagonal) as f32 } else { 0.01 };
+            let scales: Vec<u8> = (0..120).flat_map(|at| scale(at).to_le_bytes()).collect();
+            let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&scales));
+            let buffers = json["buffers"].as_array_mut().unwrap();
+            buffers.push(json!({ "uri": uri, "byteLength": scales.len() }));
+            let number = buffers.len() - 1;
+            let views = json["bufferViews"].as_array_mut().unwrap();
+            views.push(json!({ "buffer": number, "byteLength": scales.len() }));
+            let view = views.len() - 1;
+            json["accessors"][2]["bufferView"] = view.into();
+            json["accessors"][2]["byteOffset"] = 0.into();
+        });
+        load_bytes("a.gltf", text).unwrap().warnings
+    };
+    let large = warnings(1.1);
+    assert!(large.len() == 1 && large[0].contains("its scales are meant as logarithms"), "{large:?}");
+    assert!(warnings(0.9).is_empty());
 }
 
 #[test]
@@ -166,7 +191,7 @@ fn two_primitives_of_different_degrees() {
 #[test]
 fn refused_files_give_errors_that_say_why() {
     type Change = fn(&mut Value);
-    let cases: [(Change, &[&str]); 19] = [
+    let cases: [(Change, &[&str]); 20] = [
         (|json| json["nodes"][1]["scale"] = json!([1, 1, 2]), &["node 1", "scales them differently along its axes"]),
         (|json| json["nodes"][1]["children"] = json!([0]), &["node 0", "belongs to two nodes, or to itself"]),
         (|json| json["nodes"][1]["mesh"] = 7.into(), &["node 1", "there is no mesh 7"]),
@@ -190,7 +215,14 @@ fn refused_files_give_errors_that_say_why() {
         (|json| json["buffers"][0]["byteLength"] = 99_999.into(), &["truncated", "buffer 0 has 6080 bytes", "99999"]),
         (|json| json["buffers"][0]["uri"] = "https://a/b".into(), &["buffer 0", "is not the name of a file"]),
         (|json| json["buffers"][0]["uri"] = "data:;base64,!".into(), &["buffer 0", "base64"]),
-        (|json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]), &["needs EXT_meshopt_compression"]),
+        (
+            |json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]),
+            &["needs EXT_meshopt_compression", "write the file without compression"],
+        ),
+        (
+            |json| json["extensionsRequired"] = json!(["KHR_materials_unlit"]),
+            &["requires KHR_materials_unlit, which is not supported", "to extensionsUsed alone"],
+        ),
         (
             |json| extension(json)["extensions"] = json!({ "KHR_gaussian_splatting_compression_spz_2": {} }),
             &["compressed by KHR_gaussian_splatting_compression_spz_2"],

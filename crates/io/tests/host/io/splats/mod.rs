@@ -6,6 +6,7 @@ mod converted;
 mod gltf;
 mod minimal;
 mod ply;
+mod spz;
 mod written;
 
 use std::path::PathBuf;

@@ -5,7 +5,9 @@ use pellucid_core::cloud::UpAxis;
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::color::decode_srgb;
 
-use super::super::load_bytes;
+use pellucid_io::store::{PlyPieces, Store};
+
+use super::super::{Folder, load_bytes};
 
 const PROPERTIES: [&str; 27] = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "f_rest_1", "f_rest_2", "f_rest_3",
@@ -121,12 +123,119 @@ fn harmonics_of_no_degree_are_left_out() {
     );
 }
 
+/// A splat with the half axes 3, 4 and 12 around it, opacity one half, and properties of any type.
+fn one(more: &[(&str, &str)], values: &str) -> String {
+    let own = ["opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"];
+    let own = ["x", "y", "z"].into_iter().chain(own).map(|name| ("float", name));
+    let lines: String =
+        own.chain(more.iter().copied()).map(|(kind, name)| format!("property {kind} {name}\n")).collect();
+    let row = "1 2 3 0 1.0986122886681098 1.3862943611198906 2.4849066497880004 1 0 0 0";
+    format!("ply\nformat ascii 1.0\nelement vertex 1\n{lines}end_header\n{row} {values}\n")
+}
+
+#[test]
+fn colors_of_points_are_the_display_colors_of_splats() {
+    let load = |kind: &str, values: &str| {
+        let file = one(&[(kind, "red"), (kind, "green"), (kind, "blue")], values);
+        load_bytes("a.ply", file).unwrap()
+    };
+    for (kind, values) in
+        [("uchar", "51 255 0"), ("ushort", "13107 65535 0"), ("float", "0.2 1 0"), ("double", "0.2 1 0")]
+    {
+        let cloud = load(kind, values);
+        let gaussians = cloud.gaussians.expect(kind);
+        // Decoding and encoding in float32.
+        assert!(gaussians.bases[0].distance(Vec3::new(0.2, 1.0, 0.0)) < 1e-6, "{kind}: {:?}", gaussians.bases);
+        assert!(gaussians.extents[0].distance(Vec3::new(3.0, 4.0, 12.0)) < 1e-5);
+        assert_eq!((cloud.alphas, gaussians.degree), (Some(vec![0.5]), 0));
+        assert!(cloud.colors.unwrap()[0].distance(Vec3::new(decode_srgb(0.2), 1.0, 0.0)) < 1e-6, "{kind}");
+        assert!(cloud.scalars.is_empty() && cloud.warnings.is_empty(), "{kind}: {:?}", cloud.warnings);
+    }
+    let names = ["f_dc_0", "f_dc_1", "f_dc_2", "red", "green", "blue"].map(|name| ("float", name));
+    let both = load_bytes("a.ply", one(&names, "0 0 0 1 1 1")).unwrap();
+    assert_eq!(both.gaussians.unwrap().bases, [Vec3::splat(0.5)], "coefficients say more than colors");
+}
+
+#[test]
+fn what_points_lack_to_be_splats_is_named() {
+    let warnings = |gone: &[&str], more: &[(&str, &str)], values: &str| {
+        let file = gone
+            .iter()
+            .fold(one(more, values), |file, name| file.replace(&format!(" {name}\n"), &format!(" q{name}\n")));
+        let cloud = load_bytes("a.ply", file).unwrap();
+        assert!(cloud.gaussians.is_none());
+        cloud.warnings
+    };
+    let coefficients = [("float", "f_dc_0"), ("float", "f_dc_1"), ("float", "f_dc_2")];
+    for (gone, more, said) in [
+        (&["rot_3"] as &[&str], &coefficients as &[_], "the property `rot_3` of"),
+        (&["opacity"], &coefficients, "the property `opacity` of"),
+        (&["scale_1", "rot_0"], &coefficients, "the properties `scale_1`, `rot_0` of"),
+        (&[], &coefficients[..2], "the property `f_dc_2` of"),
+        (&[], &[], "the properties `f_dc_0`, `f_dc_1`, `f_dc_2` of"),
+        (&["rot_2"], &[("uchar", "red"), ("uchar", "green"), ("uchar", "blue")], "the property `rot_2` of"),
+    ] {
+        let found =
+            warnings(gone, more, "0 0 0".split_at(2 * more.len().saturating_sub(1) + usize::from(!more.is_empty())).0);
+        assert!(found.len() == 1 && found[0].contains("drawn as discs") && found[0].contains(said), "{found:?}");
+    }
+    // One family alone may be anything.
+    assert!(warnings(&["rot_0", "rot_1", "rot_2", "rot_3"], &[], "").is_empty());
+}
+
+#[test]
+fn the_smoothing_filter_of_mip_splatting_is_applied() {
+    let coefficients = ["f_dc_0", "f_dc_1", "f_dc_2"].map(|name| ("float", name));
+    let smoothed = |filter: &str| {
+        let properties = [&coefficients[..], &[("float", "filter_3D")]].concat();
+        load_bytes("a.ply", one(&properties, &format!("0 0 0 {filter}")))
+    };
+    let cloud = smoothed("4").unwrap();
+    let gaussians = cloud.gaussians.unwrap();
+    // √(3² + 4²), √(4² + 4²), √(12² + 4²); the opacity loses the root of the determinants' ratio, det = 3·4·12.
+    let (y, z) = (32.0_f32.sqrt(), 160.0_f32.sqrt());
+    assert!(gaussians.extents[0].distance(Vec3::new(5.0, y, z)) < 1e-5, "{:?}", gaussians.extents);
+    let alpha = cloud.alphas.unwrap()[0];
+    assert!((alpha - 0.5 * 144.0 / (5.0 * y * z)).abs() < 1e-6, "{alpha}");
+    assert_eq!((cloud.filter, cloud.scalars.len(), cloud.warnings.len()), (Some(Filter::Mip), 0, 0));
+    let plain = smoothed("0").unwrap();
+    assert_eq!(plain.alphas, Some(vec![0.5]));
+    assert!(plain.gaussians.unwrap().extents[0].distance(Vec3::new(3.0, 4.0, 12.0)) < 1e-5);
+    let none = smoothed("nan").unwrap_err().to_string();
+    assert!(none.contains("1 splats are left out"), "{none}");
+}
+
+#[test]
+fn comments_state_the_vertical() {
+    for (comments, up, warnings) in [
+        ("comment Generated by Nerfstudio 1.1.5\ncomment Vertical Axis: z\n", UpAxis::Z, 0),
+        ("comment Vertical Axis: y\n", UpAxis::Y, 0),
+        ("comment vertical axis: -y\n", UpAxis::NegativeY, 0),
+        ("comment Vertical Axis: x\n", UpAxis::NegativeY, 1),
+    ] {
+        let cloud = load_bytes("a.ply", file(&PROPERTIES, comments, ROWS)).unwrap();
+        assert_eq!((cloud.up, cloud.up_reason, cloud.warnings.len()), (up, None, warnings), "{comments}");
+    }
+    let points = |comment: &str| {
+        let header = format!("ply\nformat binary_little_endian 1.0\n{comment}element vertex 2\nproperty float x\n");
+        let header = header + "property float y\nproperty float z\nend_header\n";
+        let bytes = [0.0_f32, 0.0, 0.0, 1.0, 2.0, 3.0].map(f32::to_le_bytes);
+        [header.as_bytes(), bytes.as_flattened()].concat()
+    };
+    // Other points too, and those that are read in pieces.
+    let (folder, comment) = (Folder::new(), "comment Vertical Axis: z\n");
+    assert_eq!(load_bytes("a.ply", points("")).unwrap().up, UpAxis::Y);
+    assert_eq!(load_bytes("a.ply", points(comment)).unwrap().up, UpAxis::Z);
+    let pieces = PlyPieces::open(&folder.file("a.ply", points(comment))).unwrap();
+    assert_eq!(pieces.summary().up, UpAxis::Z);
+}
+
 #[test]
 fn other_points_stay_what_they_are() {
-    // Without rotations these are the scalars that they are called.
+    // Without rotations these are the scalars that they are called, which a warning says.
     let properties: Vec<_> = PROPERTIES.into_iter().filter(|name| !name.starts_with("rot_")).collect();
     let row = "1 2 3 0 0 1 4 5 6 9 9 9 9 9 9 9 9 9 0.25 10 11 12 7\n";
     let cloud = load_bytes("a.ply", file(&properties, "", row)).unwrap();
-    assert_eq!((cloud.colors, cloud.alphas, cloud.gaussians, cloud.warnings.len()), (None, None, None, 0));
+    assert_eq!((cloud.colors, cloud.alphas, cloud.gaussians, cloud.warnings.len()), (None, None, None, 1));
     assert_eq!((cloud.normals.unwrap(), cloud.scalars.len()), (vec![Vec3::Z], 17));
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::gaussians::ColorCoding;
 use pellucid_io::ply;
 
 use super::super::{Folder, load};
@@ -19,7 +20,7 @@ fn splats_come_back_to_rounding() {
     for name in ["soup.ply", "soup-v1.spz", "soup-v4.spz", "soup.sog", "soup.gltf", "minimal/minimal.splat"] {
         let cloud = load(&folder().join(name)).unwrap();
         let back = written(&cloud);
-        assert_eq!((&back.positions, back.filter), (&cloud.positions, cloud.filter), "{name}");
+        assert_eq!((&back.positions, back.filter, back.up), (&cloud.positions, cloud.filter, cloud.up), "{name}");
         let (own, other) = (back.gaussians.unwrap(), cloud.gaussians.unwrap());
         // Quaternions, harmonics and display values are kept or within some roundings; logarithms of extents reach 10.
         assert_eq!((own.degree, &own.harmonics), (other.degree, &other.harmonics), "{name}");
@@ -30,6 +31,23 @@ fn splats_come_back_to_rounding() {
         }
         let (own, other) = (back.alphas.unwrap(), cloud.alphas.unwrap());
         assert!(own.iter().zip(&other).all(|(a, b)| (a - b).abs() < 3e-7), "{name}");
+    }
+}
+
+#[test]
+fn linear_colors_stay_linear() {
+    let mut cloud = load(&folder().join("soup.gltf")).unwrap();
+    let count = cloud.len();
+    for coding in [ColorCoding::Linear, ColorCoding::Each((0..count).map(|at| at % 3 == 0).collect())] {
+        let gaussians = cloud.gaussians.as_mut().unwrap();
+        gaussians.coding = coding;
+        cloud.colors = Some((0..count).map(|at| gaussians.linear_base(at)).collect());
+        let back = written(&cloud);
+        let (own, other) = (back.gaussians.as_ref().unwrap(), cloud.gaussians.as_ref().unwrap());
+        assert_eq!((&own.coding, &own.harmonics), (&other.coding, &other.harmonics));
+        let colors = back.colors.iter().flatten().zip(cloud.colors.iter().flatten());
+        assert!(colors.clone().count() == count && colors.into_iter().all(|(a, b)| a.distance(*b) < 1e-6));
+        assert!(back.scalars.is_empty(), "{:?}", back.scalars);
     }
 }
 

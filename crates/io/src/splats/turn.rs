@@ -7,22 +7,24 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3, Vec3};
 
-/// Harmonics of degrees 1 to 3.
-const COUNT: usize = 15;
+/// Harmonics of degrees 1 to 4.
+const COUNT: usize = 24;
 
-/// Heights of directions with their weights: exact up to degree 7.
-const HEIGHTS: [[f64; 2]; 4] = [
-    [-0.861_136_311_594_052_6, 0.347_854_845_137_453_85],
-    [-0.339_981_043_584_856_26, 0.652_145_154_862_546_1],
-    [0.339_981_043_584_856_26, 0.652_145_154_862_546_1],
-    [0.861_136_311_594_052_6, 0.347_854_845_137_453_85],
+/// Heights of directions with their weights: exact up to degree 9.
+const HEIGHTS: [[f64; 2]; 5] = [
+    [-0.906_179_845_938_664, 0.236_926_885_056_189_08],
+    [-0.538_469_310_105_683_1, 0.478_628_670_499_366_47],
+    [0.0, 0.568_888_888_888_888_9],
+    [0.538_469_310_105_683_1, 0.478_628_670_499_366_47],
+    [0.906_179_845_938_664, 0.236_926_885_056_189_08],
 ];
 
-/// Directions of a height: exact up to degree 7.
-const AROUND: u32 = 8;
+/// Directions of a height: exact up to degree 8.
+const AROUND: u32 = 9;
 
 /// Turns the coefficients of splats.
-pub(super) struct Turn {
+#[derive(Debug)]
+pub(crate) struct Turn {
     /// Each new coefficient as a sum of the old ones.
     rows: [[f64; COUNT]; COUNT],
 }
@@ -54,13 +56,15 @@ impl Turn {
     }
 }
 
-/// The harmonics of a direction, as Kerbl et al. 2023 order and sign them.
+/// The harmonics of a direction, as Kerbl et al. 2023 order and sign them, and SPZ those of degree 4.
 fn harmonics(d: DVec3) -> [f64; COUNT] {
     let (x, y, z) = (d.x, d.y, d.z);
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let one = 0.488_602_511_902_919_9;
     let (two, flat, square) = (1.092_548_430_592_079, 0.315_391_565_252_520_05, 0.546_274_215_296_039_6);
     let (corner, edge, side) = (0.590_043_589_926_643_5, 2.890_611_442_640_554, 0.457_045_799_464_465_8);
+    let (four, three) = (2.503_342_941_796_704_6, 1.770_130_769_779_930_4);
+    let (belt, near, middle) = (0.946_174_695_757_560_1, 0.669_046_543_557_289_2, 0.105_785_546_915_204_31);
     [
         -one * y,
         one * z,
@@ -77,6 +81,15 @@ fn harmonics(d: DVec3) -> [f64; COUNT] {
         -side * x * (4.0 * zz - xx - yy),
         0.5 * edge * z * (xx - yy),
         -corner * x * (xx - 3.0 * yy),
+        four * x * y * (xx - yy),
+        -three * y * z * (3.0 * xx - yy),
+        belt * x * y * (7.0 * zz - 1.0),
+        -near * y * z * (7.0 * zz - 3.0),
+        middle * (zz * (35.0 * zz - 30.0) + 3.0),
+        -near * x * z * (7.0 * zz - 3.0),
+        0.5 * belt * (xx - yy) * (7.0 * zz - 1.0),
+        -three * x * z * (xx - 3.0 * yy),
+        0.25 * four * (xx * (xx - 3.0 * yy) - yy * (3.0 * xx - yy)),
     ]
 }
 
@@ -93,12 +106,12 @@ mod tests {
         };
         let rotation = DQuat::from_array([0.3, -0.5, 0.1, 0.8]).normalize();
         let turn = Turn::new(rotation);
-        for count in [3, 8, COUNT] {
+        for count in [3, 8, 15, COUNT] {
             let mut new = old[..count].to_vec();
             turn.apply(&mut new);
             for direction in [DVec3::X, DVec3::Y, DVec3::new(0.6, -0.64, 0.48)] {
                 let off = color(&new, direction).distance(color(&old[..count], rotation.inverse() * direction));
-                // Fifteen coefficients of up to 12 are rounded to float32.
+                // Twenty-four coefficients of up to 20 are rounded to float32.
                 assert!(off < 1e-5, "{count}: {off}");
             }
         }
