@@ -15,7 +15,8 @@ pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) 
     cloud.gaussians.is_some() && scene.draws_gaussians(settings)
 }
 
-/// Says that a cloud's Gaussians were trained with a filter on the image that the scene lacks, unless it says so itself.
+/// Returns the note that a cloud's Gaussians were trained with a filter on the image that the scene lacks, unless the
+/// scene says so itself.
 pub(super) fn filter_note(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> Option<String> {
     let method = scene.method.representative();
     let own = method.discs().filter(|_| are_drawn(scene, settings, cloud))?.gaussians;

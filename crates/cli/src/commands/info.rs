@@ -49,10 +49,10 @@ pub struct InfoArgs {
     /// `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a scalar to
     /// [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
     ///
-    /// Gaussian splats also have `gaussians: {count, degree, filter, up, color, extents: {min, median, max}}`, color being
-    /// "encoded", "linear" or "both". --outliers adds their number as `outliers`. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field,
-    /// quantiles}`, with `shadows` if they are stored; `quantiles` maps a share of the points to the largest field
-    /// value among them.
+    /// Gaussian splats also have `gaussians: {count, degree, filter, up, color, extents: {min, median, max}}`; `color`
+    /// is "encoded", "linear" or "both". --outliers adds their number as `outliers`. A prepared cloud has `prepared:
+    /// {neighbors, radius_cap, estimated_radii, field, quantiles}`, with `shadows` if they are stored; `quantiles` maps
+    /// a share of the points to the largest field value among them.
     ///
     /// Several files become an array, each with `file`.
     #[arg(long)]

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::bar::Bar;
 use bytesize::ByteSize;
 use clap::{ArgGroup, Args};
+use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::shadow_texture::ShadowTexture;
 use pellucid_core::cloud::{Cloud, Prepared};
 use pellucid_engine::Result;
@@ -289,6 +290,12 @@ fn write_splats(args: &PrepareArgs, input: &Path, cloud: &Cloud, console: Consol
     }
     if args.asks_for_values() {
         console.warn(prepare_store::prepare_without(input));
+    }
+    if cloud.gaussians.as_ref().is_some_and(Gaussians::may_be_linear) {
+        console.warn(format_args!(
+            "{}: colors stay linear, as a property of the file says; other programs take them for display values",
+            args.output.display()
+        ));
     }
     io::ply::write(&args.output, cloud)?;
     console.detail(format_args!("{}: written", args.output.display()));

@@ -138,8 +138,8 @@ fn has_display_color(properties: &[Column]) -> bool {
     RowLayout::new(properties, FullScale::Typed).is_ok_and(|layout| layout.has_color())
 }
 
-/// Returns the properties that points lack to be splats, whose names say that they are meant to be some: those with two
-/// of color coefficients, scales and rotations. Without them the points are drawn as discs.
+/// Returns a warning that names the properties which points lack to be splats, if they are meant to be some: if they
+/// have two of color coefficients, scales and rotations.
 pub(super) fn missing(properties: &[Column]) -> Option<String> {
     let has = |name: &str| properties.iter().any(|property| property.name.eq_ignore_ascii_case(name));
     let families = [("f_dc_", 3), ("scale_", 3), ("rot_", 4)];

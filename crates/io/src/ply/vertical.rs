@@ -15,8 +15,8 @@ const SURVEY: f64 = 1e4;
 /// Points that the vertical is told from, at most twice as many: places of hundredths among them are those among all.
 const SAMPLE: u64 = 1 << 17;
 
-/// Returns the vertical that a comment states as nerfstudio does, `Vertical Axis: z`, of which the last counts; a warning
-/// if it is none that a cloud can have.
+/// Returns the vertical that a comment states as nerfstudio does, `Vertical Axis: z`, of which the last counts; a
+/// warning if it is none that a cloud can have.
 pub(crate) fn stated(comments: &[(u64, String)]) -> Result<Option<UpAxis>, String> {
     let axis = |text: &str| {
         let (name, axis) = text.split_once(':')?;

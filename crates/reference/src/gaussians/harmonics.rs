@@ -15,8 +15,8 @@ use pellucid_core::points::Points;
 use pellucid_scene::ColorSpace;
 
 /// Returns the color of the Gaussian that a point is, in the space that blending runs in; `None` of a point that is
-/// none. It is max(0, base + Σ Y·coefficient), a display value or linear as the splat's colors are, seen from the eye, or
-/// along the viewing direction by an orthographic camera.
+/// none. It is max(0, base + Σ Y·coefficient), a display value or linear as the splat's colors are, seen from the eye,
+/// or along the viewing direction by an orthographic camera.
 pub fn color(points: &Points, index: usize, camera: &Camera, space: ColorSpace) -> Option<DVec3> {
     let all = points.gaussians.as_ref().filter(|all| all.is_one(index))?;
     let toward = points.positions[index] - camera.eye;

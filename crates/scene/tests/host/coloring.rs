@@ -242,7 +242,7 @@ fn errors_for_missing_columns_list_the_columns_there_are() {
 
 #[test]
 fn white_and_black_splats_keep_their_colors() {
-    // White ones, black ones, and those whose base is brighter than white; heights would give each of two another color.
+    // White ones, black ones, and those whose base is brighter than white. Heights would give two of them two colors.
     for base in [Vec3::ONE, Vec3::ZERO, Vec3::splat(2.0)] {
         let splats = Gaussians { extents: vec![Vec3::ONE; 2], bases: vec![base; 2], ..Gaussians::none(2) };
         let splats = Gaussians { harmonics: vec![Vec3::splat(0.25); 6], degree: 1, ..splats };

@@ -2,8 +2,8 @@
 //!
 //! Up to version 3 header and planes are one gzip stream; in version 4 ([`streams`]) the header is plain and each plane
 //! is a Zstandard stream. The planes are the same: positions, opacities, colors, scales, rotations, harmonics. The axes
-//! of SPZ are right, up, back, unless an extension ([`extensions`]) names others; those of other splats are right, down,
-//! front ([`frame`]). Splats get the latter.
+//! of SPZ are right, up, back, unless an extension ([`extensions`]) names others; those of other splats are right,
+//! down, front ([`frame`]). Splats get the latter.
 
 mod extensions;
 mod frame;
