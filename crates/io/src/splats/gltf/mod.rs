@@ -1,8 +1,8 @@
 //! glTF with `KHR_gaussian_splatting`, as text or binary.
 //!
 //! Extents are standard deviations, as the ratified extension has them. Drafts of it had their logarithms, which a file
-//! shows by any below zero. Nodes may move, turn and scale splats alike in all directions; then the harmonics are
-//! turned as well.
+//! shows by any below zero. Nodes may move, turn and scale splats; then the harmonics are turned as well, with the
+//! closest rotation where scales differ along axes.
 
 mod accessor;
 mod buffers;
@@ -55,6 +55,10 @@ pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Erro
     cloud.warnings.extend(warnings(&primitives, logarithms, others));
     if !logarithms {
         cloud.warnings.extend(oversized(&cloud));
+    }
+    if degree > 0 && placed.iter().any(|placed| placed.transform.stretches()) {
+        let warning = "a node scales splats differently along its axes: their harmonics turn with the closest rotation";
+        cloud.warnings.push(warning.to_owned());
     }
     Ok(cloud)
 }

@@ -93,10 +93,11 @@ impl<'a> Primitive<'a> {
             let scale = if logarithms { DVec3::new(scale.x.exp(), scale.y.exp(), scale.z.exp()) } else { scale };
             let [opacity] = self.opacity.get::<1>(at);
             let base = from_coefficient(self.harmonics[0].get::<3>(at).into());
+            let (extents, rotation) = transform.shape(scale, DQuat::from_array(self.rotation.get::<4>(at)));
             Splat {
                 center: transform.point(self.position.get::<3>(at).into()),
-                extents: scale * transform.scale,
-                rotation: transform.rotation * DQuat::from_array(self.rotation.get::<4>(at)),
+                extents,
+                rotation,
                 base,
                 linear: self.linear,
                 alpha: opacity,

@@ -140,6 +140,32 @@ fn scales_beyond_the_cloud_are_doubted() {
 }
 
 #[test]
+fn nodes_may_scale_differently_along_their_axes() {
+    let stretched = load_bytes("a.gltf", changed(|json| json["nodes"][1]["scale"] = json!([2, 1, 0.5]))).unwrap();
+    let [warning] = stretched.warnings.as_slice() else { panic!("{:?}", stretched.warnings) };
+    assert!(warning.contains("harmonics turn with the closest rotation"), "{warning}");
+    let soup = load(&folder().join("soup.ply")).unwrap();
+    let (own, other) = (stretched.gaussians.as_ref().unwrap(), soup.gaussians.as_ref().unwrap());
+    // A quarter turn about x of what is stretched.
+    let half = 0.5_f64.sqrt();
+    let linear =
+        DMat3::from_quat(DQuat::from_xyzw(half, 0.0, 0.0, half)) * DMat3::from_diagonal(DVec3::new(2.0, 1.0, 0.5));
+    let covariance = |matrix: DMat3, extents: Vec3| {
+        let axes = matrix * DMat3::from_diagonal(extents.as_dvec3());
+        axes * axes.transpose()
+    };
+    let matrix = |rotation: Quat| DMat3::from_quat(rotation.as_dquat().normalize());
+    for at in 0..40 {
+        let position = linear * soup.positions[at] + DVec3::new(1.0, 2.0, 3.0);
+        assert!(stretched.positions[at].distance(position) < 1e-6, "{} is not {position}", stretched.positions[at]);
+        let expected = covariance(linear * matrix(other.rotations[at]), other.extents[at]);
+        let off = covariance(matrix(own.rotations[at]), own.extents[at]) - expected;
+        // Extents of at most 0.8 and quaternions are float32.
+        assert!(off.to_cols_array().iter().all(|off| off.abs() < 1e-6), "{off}");
+    }
+}
+
+#[test]
 fn buffers_beside_the_file() {
     let mut data = String::new();
     let text = changed(|json| {
@@ -192,7 +218,7 @@ fn two_primitives_of_different_degrees() {
 fn refused_files_give_errors_that_say_why() {
     type Change = fn(&mut Value);
     let cases: [(Change, &[&str]); 20] = [
-        (|json| json["nodes"][1]["scale"] = json!([1, 1, 2]), &["node 1", "scales them differently along its axes"]),
+        (|json| json["nodes"][1]["scale"] = json!([1, 1, -2]), &["node 1", "it mirrors or flattens splats"]),
         (|json| json["nodes"][1]["children"] = json!([0]), &["node 0", "belongs to two nodes, or to itself"]),
         (|json| json["nodes"][1]["mesh"] = 7.into(), &["node 1", "there is no mesh 7"]),
         (|json| json["scene"] = 3.into(), &["scene", "there is no scene 3"]),
