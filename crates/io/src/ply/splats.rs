@@ -80,7 +80,7 @@ impl SplatColumns {
         let kept: Vec<usize> = (0..properties.len()).filter(|&at| !used(&properties[at].name)).collect();
         let layout = if kept.is_empty() { None } else { Some(layout(properties, &kept)?) };
         let (degree, rotation) = (degree.unwrap_or(0), [w, x, y, at("rot_", 3)?]);
-        let (filter, linearity) = (find(FILTER), find(LINEARITY));
+        let (filter, linearity) = (find(FILTER), color.and_then(|_| find(LINEARITY)));
         Some(Self { position, color, opacity, scale, rotation, filter, linearity, rest, degree, kept, layout, warning })
     }
 
@@ -152,10 +152,9 @@ pub(super) fn missing(properties: &[Column]) -> Option<String> {
     let color = numbered("f_dc_", 3).filter(|_| !has_display_color(properties));
     let missing: Vec<String> = color.chain(needed).filter(|name| !has(name)).map(|name| format!("`{name}`")).collect();
     let (some, missing) = (if missing.len() == 1 { "property" } else { "properties" }, missing.join(", "));
-    Some(format!(
-        "the points seem to be Gaussian splats, but are drawn as discs: the {some} {missing} of splats is missing"
-    ))
-    .filter(|_| !missing.is_empty())
+    (!missing.is_empty()).then(|| {
+        format!("the points seem to be Gaussian splats, but lack the {some} {missing}, so they are drawn as discs")
+    })
 }
 
 /// The columns of a row of the position and some properties.

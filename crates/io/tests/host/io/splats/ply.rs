@@ -168,15 +168,14 @@ fn what_points_lack_to_be_splats_is_named() {
     };
     let coefficients = [("float", "f_dc_0"), ("float", "f_dc_1"), ("float", "f_dc_2")];
     for (gone, more, said) in [
-        (&["rot_3"] as &[&str], &coefficients as &[_], "the property `rot_3` of"),
-        (&["opacity"], &coefficients, "the property `opacity` of"),
-        (&["scale_1", "rot_0"], &coefficients, "the properties `scale_1`, `rot_0` of"),
-        (&[], &coefficients[..2], "the property `f_dc_2` of"),
-        (&[], &[], "the properties `f_dc_0`, `f_dc_1`, `f_dc_2` of"),
-        (&["rot_2"], &[("uchar", "red"), ("uchar", "green"), ("uchar", "blue")], "the property `rot_2` of"),
+        (&["rot_3"] as &[&str], &coefficients as &[_], "lack the property `rot_3`, so"),
+        (&["opacity"], &coefficients, "lack the property `opacity`, so"),
+        (&["scale_1", "rot_0"], &coefficients, "lack the properties `scale_1`, `rot_0`, so"),
+        (&[], &coefficients[..2], "lack the property `f_dc_2`, so"),
+        (&[], &[], "lack the properties `f_dc_0`, `f_dc_1`, `f_dc_2`, so"),
+        (&["rot_2"], &[("uchar", "red"), ("uchar", "green"), ("uchar", "blue")], "lack the property `rot_2`, so"),
     ] {
-        let found =
-            warnings(gone, more, "0 0 0".split_at(2 * more.len().saturating_sub(1) + usize::from(!more.is_empty())).0);
+        let found = warnings(gone, more, &vec!["0"; more.len()].join(" "));
         assert!(found.len() == 1 && found[0].contains("drawn as discs") && found[0].contains(said), "{found:?}");
     }
     // One family alone may be anything.
