@@ -73,7 +73,7 @@ pub(super) fn read(source: InputFile, progress: &Progress) -> Result<Cloud, Erro
     Ok(cloud)
 }
 
-/// What a header says of the vertices beside their properties.
+/// Facts that a header tells of the vertices beside their properties.
 pub(super) struct Remarks {
     /// Comments with the numbers of their lines.
     pub comments: Vec<(u64, String)>,

@@ -14,7 +14,7 @@ fn extents(splats: &Gaussians) -> [f32; 3] {
     [0, all.len() / 2, all.len().saturating_sub(1)].map(|at| all.get(at).copied().unwrap_or_default())
 }
 
-/// What the colors of splats are.
+/// The word for the colors of splats.
 fn color(splats: &Gaussians) -> &'static str {
     match splats.coding {
         ColorCoding::Display => "encoded",

@@ -15,7 +15,7 @@ const HEAD: usize = 8;
 /// The bytes of extensions that are read, at most.
 pub(super) const MOST_BYTES: u64 = 1 << 20;
 
-/// What the extensions of a file say.
+/// Contents of the extensions of a file.
 #[derive(Debug, Default)]
 pub(super) struct Extensions {
     /// The axes of the splats.

@@ -51,7 +51,7 @@ struct Header {
     flags: u8,
 }
 
-/// What a file has.
+/// The parts of a file.
 struct Content {
     header: Header,
     planes: Planes,

@@ -10,7 +10,7 @@ use super::super::{assert_refused, load_bytes};
 
 /// The record of the axes.
 const COORDINATE_SYSTEM: u32 = 0xadbe_0003;
-/// That of limits to a viewer's camera.
+/// The record of limits to a viewer's camera.
 const ORBIT: u32 = 0xadbe_0002;
 
 fn record(kind: u32, content: &[u8]) -> Vec<u8> {
