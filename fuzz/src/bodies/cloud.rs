@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use pellucid_core::cloud::Cloud;
-use pellucid_core::cloud::gaussians::{Gaussians, MAX_DEGREE};
+use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians, MAX_DEGREE};
 use pellucid_core::progress::Progress;
 use pellucid_io::{self as io, ColumnNames, Hints};
 use pellucid_scene::{Overrides, Scene};
@@ -106,7 +106,10 @@ pub(super) fn check(cloud: &Cloud) {
 
 /// Checks the invariants of the columns of Gaussian splats.
 fn check_gaussians(gaussians: &Gaussians, len: usize) {
-    let Gaussians { extents, rotations, bases, degree, harmonics } = gaussians;
+    let Gaussians { extents, rotations, bases, coding, degree, harmonics } = gaussians;
+    if let ColorCoding::Each(linear) = coding {
+        assert_eq!(linear.len(), extents.len(), "colors are linear or not for each splat");
+    }
     assert!([extents.len(), rotations.len(), bases.len()] == [len; 3] && *degree <= MAX_DEGREE);
     assert_eq!(harmonics.len(), len * gaussians.coefficients());
     let is_extent = |extents: &Vec3| extents.is_finite() && extents.min_element() >= 0.0 && *extents != Vec3::ZERO;
