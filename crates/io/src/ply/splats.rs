@@ -135,7 +135,7 @@ fn smoothed(extents: &mut [f64], filter: f64) -> f64 {
 
 /// True if the properties have a color that is no coefficient.
 fn has_display_color(properties: &[Column]) -> bool {
-    RowLayout::new(properties, FullScale::Typed).is_ok_and(|layout| layout.has_color())
+    RowLayout::new(properties).is_ok_and(|layout| layout.has_color())
 }
 
 /// Returns a warning that names the properties which points lack to be splats, if they are meant to be some: if they
