@@ -413,8 +413,8 @@ fn cameras(file: &Path) -> News {
         Err(error) => News::Failed(
             0,
             format!(
-                "{error}. Cameras are key frames of this program (docs/camera-paths.md), a transforms.json of nerfstudio or a \
-                 model of COLMAP"
+                "{error}. Cameras are key frames of this program (docs/camera-paths.md), a transforms.json of nerfstudio, a \
+                 cameras.json of 3D Gaussian Splatting or a model of COLMAP"
             ),
         ),
     }

@@ -1,4 +1,4 @@
-//! Camera paths of our own, and cameras of nerfstudio and COLMAP.
+//! Camera paths of our own, and cameras of nerfstudio, COLMAP and 3D Gaussian Splatting.
 
 use std::fs;
 

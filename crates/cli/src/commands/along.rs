@@ -23,9 +23,9 @@ use super::limit::usage;
 pub struct PathArgs {
     /// Move the camera along the key frames of a file.
     ///
-    /// A JSON file of keys with eye, target and more (docs/camera-paths.md), a transforms.json of nerfstudio, or the
-    /// folder of a COLMAP model (text or binary). With --frames N the camera is interpolated between the keys;
-    /// otherwise every key is one frame.
+    /// A JSON file of keys with eye, target and more (docs/camera-paths.md), a transforms.json of nerfstudio, a
+    /// cameras.json of 3D Gaussian Splatting, or the folder of a COLMAP model (text or binary). With --frames N the
+    /// camera is interpolated between the keys; otherwise every key is one frame.
     #[arg(long, value_name = "PATH", conflicts_with = "turntable", help_heading = FRAMES)]
     path: Option<PathBuf>,
     /// Turn the camera once around the scene, in --frames N steps.

@@ -28,7 +28,8 @@ pub struct ViewArgs {
     device: DeviceArgs,
     /// Open with the key frames of this file.
     ///
-    /// A JSON file (docs/camera-paths.md), a transforms.json of nerfstudio, or a COLMAP model.
+    /// A JSON file (docs/camera-paths.md), a transforms.json of nerfstudio, a cameras.json of 3D Gaussian Splatting,
+    /// or a COLMAP model.
     #[arg(long, value_name = "PATH")]
     path: Option<PathBuf>,
     /// Target time of a frame during motion, in milliseconds.

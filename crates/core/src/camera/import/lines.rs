@@ -35,19 +35,25 @@ fn camera(line: &str) -> Result<(u32, Intrinsics), String> {
     Ok((id, intrinsics(model, size, &parameters)?))
 }
 
-/// Two lines per image: `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`, and the image's points, possibly none.
+/// Two lines per image: `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`, and the image's points: `X Y POINT3D_ID` for
+/// each, possibly none. Some programs leave out the lines of points.
 pub fn images(path: &Path) -> Result<Vec<Image>, Error> {
     let text = read_text(path)?;
     let mut images = Vec::new();
-    let mut lines = text.lines().enumerate();
+    let mut lines = text.lines().enumerate().peekable();
     while let Some((at, line)) = lines.next() {
         if is_entry(line) {
             images.push(image(line).map_err(|problem| wrong(path, at + 1, problem))?);
-            // The points.
-            lines.next();
+            lines.next_if(|(_, line)| is_points(line));
         }
     }
     Ok(images)
+}
+
+/// A line is one of points if it has triples of numbers alone; that of an image has 10 words or more, one a name.
+fn is_points(line: &str) -> bool {
+    let words = line.split_ascii_whitespace();
+    words.clone().count().is_multiple_of(3) && words.clone().all(|word| word.parse::<f64>().is_ok())
 }
 
 fn image(line: &str) -> Result<Image, String> {

@@ -1,6 +1,7 @@
-//! Cameras of other programs: nerfstudio's `transforms.json`, and COLMAP's models as text or binary files.
+//! Cameras of other programs: nerfstudio's `transforms.json`, the `cameras.json` of 3D Gaussian Splatting, and
+//! COLMAP's models as text or binary files.
 //!
-//! Both become a [`CameraPath`] with one key for each picture, without a target. This program's camera is a pinhole
+//! All become a [`CameraPath`] with one key for each picture, without a target. This program's camera is a pinhole
 //! with square pixels whose principal point is the picture's center; other properties of a camera are dropped with a
 //! warning.
 
@@ -8,6 +9,7 @@ mod binary;
 mod colmap;
 mod lines;
 mod nerfstudio;
+mod trained;
 
 use std::fs::File;
 use std::io::Read;
@@ -17,7 +19,7 @@ use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::path::{CameraPath, Error, Key, MAX_KEYS, Problem};
+use super::path::{CameraPath, Error, Key, MAX_KEYS, Problem, from_text};
 use crate::image::MAX_SIDE;
 
 /// Bytes of a text that is read at once, at most.
@@ -32,7 +34,7 @@ pub enum CameraSource {
     Cameras(Cameras),
 }
 
-/// Pictures' cameras, in the order of nerfstudio's file or of COLMAP's names.
+/// Pictures' cameras, in the order of the JSON file or of COLMAP's names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cameras {
     /// Views of the file, at least one.
@@ -77,8 +79,8 @@ impl Cameras {
 }
 
 impl CameraSource {
-    /// Reads a file or a folder: key frames, nerfstudio's JSON (recognized by its `frames`), or a COLMAP model (a
-    /// folder, one of its files, or the folder above `sparse/0`).
+    /// Reads a file or a folder: key frames, nerfstudio's JSON (recognized by its `frames`), the cameras beside a
+    /// model of Gaussians (a list), or a COLMAP model (a folder, one of its files, or the folder above `sparse/0`).
     ///
     /// # Errors
     /// Unreadable or damaged files, and files or folders of any other kind.
@@ -86,24 +88,33 @@ impl CameraSource {
         if let Some(folder) = colmap::model(path) {
             return Ok(Self::Cameras(colmap::read(&folder)?));
         }
-        let json = path.join("transforms.json");
-        match path.is_dir() {
-            true if json.is_file() => Self::read_json(&json),
-            true => Err(content(
-                path,
-                "this folder has neither a transforms.json nor cameras and images of COLMAP (.bin or .txt)",
-            )),
-            false => Self::read_json(path),
+        if !path.is_dir() {
+            return Self::read_json(path);
         }
+        let json =
+            ["transforms.json", "cameras.json"].map(|name| path.join(name)).into_iter().find(|json| json.is_file());
+        let json = json.ok_or_else(|| {
+            content(
+                path,
+                "this folder has neither a transforms.json nor a cameras.json, nor cameras and images of COLMAP (.bin or .txt)",
+            )
+        })?;
+        Self::read_json(&json)
     }
 
     fn read_json(path: &Path) -> Result<Self, Error> {
         let text = read_text(path)?;
-        let Kind { keys, frames } = serde_json::from_str(&text).map_err(|error| super::path::syntax(path, &error))?;
+        let Kind { keys, frames } = match text.trim_start().as_bytes().first() {
+            Some(b'[') => return Ok(Self::Cameras(trained::read(&text, path)?)),
+            Some(b'{') => from_text(&text, path)?,
+            _ => from_text::<IgnoredAny>(&text, path).map(|_| Kind { keys: None, frames: None })?,
+        };
         match (keys, frames) {
-            (None, None) => {
-                Err(content(path, "has neither keys (a camera path) nor frames (transforms.json of nerfstudio)"))
-            }
+            (None, None) => Err(content(
+                path,
+                "has neither keys (a camera path) nor frames (transforms.json of nerfstudio), and is no list of cameras \
+                 (cameras.json of 3D Gaussian Splatting)",
+            )),
             (None, Some(_)) => Ok(Self::Cameras(nerfstudio::read(&text, path)?)),
             (Some(_), _) => Ok(Self::Path(CameraPath::from_json(&text, path)?)),
         }
@@ -252,5 +263,6 @@ fn read_text(path: &Path) -> Result<String, Error> {
     if read as u64 > MAX_BYTES {
         return Err(content(path, format!("has more than {}", bytesize::ByteSize(MAX_BYTES))));
     }
-    Ok(text)
+    // The mark at the beginning of UTF-8 that editors of Windows write.
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }

@@ -8,17 +8,35 @@ use std::path::Path;
 
 use glam::DVec3;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 
+use super::colmap::MODELS;
 use super::{Angle, Cameras, Intrinsics, View, check_count, content, is_place, rotation, warnings};
-use crate::camera::path::{Error, syntax};
+use crate::camera::path::{Error, from_text};
 
 #[derive(Debug, Deserialize)]
 struct File {
     #[serde(flatten)]
     lens: Lens,
     applied_transform: Option<Value>,
+    applied_scale: Option<f64>,
     frames: Vec<Frame>,
+}
+
+impl File {
+    /// A warning about what the cameras have been moved by.
+    fn applied(&self) -> Option<String> {
+        let scale = self.applied_scale.filter(|scale| *scale != 1.0).map(|_| "applied_scale");
+        let names: Vec<_> =
+            self.applied_transform.as_ref().map(|_| "applied_transform").into_iter().chain(scale).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "its cameras are used as they are, after its {}; a cloud from before that needs the same transform",
+                names.join(" and ")
+            )
+        })
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -33,6 +51,10 @@ struct Frame {
 #[derive(Debug, Default, Deserialize)]
 struct Lens {
     camera_model: Option<String>,
+    /// Keys of Instant NGP for lenses that are no pinholes.
+    is_fisheye: Option<bool>,
+    latlong: Option<IgnoredAny>,
+    ftheta_p0: Option<IgnoredAny>,
     /// Full angles in radians.
     camera_angle_x: Option<f64>,
     camera_angle_y: Option<f64>,
@@ -58,13 +80,14 @@ enum KnownLens {
 }
 
 pub fn read(text: &str, path: &Path) -> Result<Cameras, Error> {
-    let file: File = serde_json::from_str(text).map_err(|error| syntax(path, &error))?;
+    let file: File = from_text(text, path)?;
     check_count(path, file.frames.len(), "frames")?;
     let mut views = Vec::new();
     let mut intrinsics = Vec::new();
     for (number, frame) in file.frames.iter().enumerate() {
         let wrong = |problem: String| content(path, format!("frames[{number}]: {problem}"));
         let lens = Both { frame: &frame.lens, file: &file.lens };
+        lens.check_model().map_err(wrong)?;
         let angle = match lens.known().map_err(wrong)? {
             KnownLens::Pixels(camera) => {
                 intrinsics.push(camera);
@@ -80,12 +103,7 @@ pub fn read(text: &str, path: &Path) -> Result<Cameras, Error> {
     if intrinsics.is_empty() && file.frames.iter().any(is_bent) {
         warnings.push("the lens distortion is ignored".to_owned());
     }
-    if file.applied_transform.is_some() {
-        warnings.push(
-            "its cameras are used as they are, after its applied_transform; a cloud from before that needs the same transform"
-                .to_owned(),
-        );
-    }
+    warnings.extend(file.applied());
     let name = path.display();
     let warnings = warnings.into_iter().map(|warning| format!("{name}: {warning}")).collect();
     Ok(Cameras { views, size: intrinsics.first().map(Intrinsics::pixels), warnings })
@@ -106,6 +124,11 @@ fn pose(rows: &[[f64; 4]]) -> Result<(DVec3, glam::DQuat), String> {
     Ok((eye, turn))
 }
 
+/// Models of a pinhole, with or without a lens that bends lines.
+fn is_perspective(model: &str) -> bool {
+    MODELS.iter().any(|(known, ..)| *known == model) || ["PERSPECTIVE", "FISHEYE", "FISHEYE624"].contains(&model)
+}
+
 /// A frame's own numbers over those of the file.
 struct Both<'a> {
     frame: &'a Lens,
@@ -117,10 +140,29 @@ impl Both<'_> {
         value(self.frame).or_else(|| value(self.file))
     }
 
+    /// Name of the camera's model in capital letters.
+    fn model(&self) -> Option<String> {
+        self.frame.camera_model.as_ref().or(self.file.camera_model.as_ref()).map(|model| model.to_uppercase())
+    }
+
+    /// Refuses cameras that are neither pinholes nor lenses in front of one.
+    fn check_model(&self) -> Result<(), String> {
+        let has = |is: fn(&Lens) -> bool| is(self.frame) || is(self.file);
+        let other = match self.model() {
+            Some(model) if !is_perspective(&model) => format!("camera_model {model}"),
+            _ if has(|lens| lens.latlong.is_some()) => "latlong".to_owned(),
+            _ if has(|lens| lens.ftheta_p0.is_some()) => "ftheta_p0".to_owned(),
+            _ => return Ok(()),
+        };
+        Err(format!(
+            "{other} is no perspective camera, and pictures here are; PINHOLE, OPENCV and COLMAP's other models are read"
+        ))
+    }
+
     fn is_distorted(&self) -> bool {
-        let model = self.frame.camera_model.as_ref().or(self.file.camera_model.as_ref());
-        // A pinhole's model has many names; a fisheye bends lines even where all its coefficients are 0.
-        let fisheye = model.is_some_and(|model| model.to_uppercase().contains("FISHEYE"));
+        // A fisheye bends lines even where all its coefficients are 0.
+        let fisheye = self.model().is_some_and(|model| model.contains("FISHEYE"))
+            || self.frame.is_fisheye.or(self.file.is_fisheye) == Some(true);
         let values: [fn(&Lens) -> Option<f64>; 6] =
             [|lens| lens.k1, |lens| lens.k2, |lens| lens.k3, |lens| lens.k4, |lens| lens.p1, |lens| lens.p2];
         fisheye || values.into_iter().any(|value| self.get(value).is_some_and(|x| x != 0.0))

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::{Error, Problem};
@@ -126,7 +127,7 @@ impl CameraPath {
     /// # Errors
     /// No JSON, an unknown or missing key, a value out of range: with line and column, or with the key's number.
     pub fn from_json(text: &str, path: &Path) -> Result<Self, Error> {
-        let read: Self = serde_json::from_str(text).map_err(|error| syntax(path, &error))?;
+        let read: Self = from_text(text, path)?;
         read.check().map_err(|problem| Error::Content { path: path.to_owned(), problem })?;
         Ok(read)
     }
@@ -182,11 +183,26 @@ impl CameraPath {
     }
 }
 
-/// Returns the error of a JSON parser with its place in front.
-#[doc(hidden)]
-pub fn syntax(path: &Path, error: &serde_json::Error) -> Error {
+/// Reads JSON; errors have their place in front.
+pub(in crate::camera) fn from_text<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, Error> {
+    serde_json::from_str(text).map_err(|error| syntax(text, path, &error))
+}
+
+fn syntax(text: &str, path: &Path, error: &serde_json::Error) -> Error {
+    let (line, column) = (error.line(), error.column());
     let message = error.to_string();
-    let place = format!(" at line {} column {}", error.line(), error.column());
-    let message = message.strip_suffix(&place).unwrap_or(&message).to_owned();
-    Error::Syntax { path: path.to_owned(), line: error.line(), column: error.column(), message }
+    let message = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
+    let message = match word_at(text, line, column) {
+        Some(word @ ("NaN" | "Infinity")) => {
+            format!("{word} is not a number of JSON; leave out the cameras that have it")
+        }
+        _ => message.to_owned(),
+    };
+    Error::Syntax { path: path.to_owned(), line, column, message }
+}
+
+/// The letters from a place on, which counts from 1.
+fn word_at(text: &str, line: usize, column: usize) -> Option<&str> {
+    let rest = text.lines().nth(line.checked_sub(1)?)?.get(column.checked_sub(1)?..)?;
+    rest.split(|letter: char| !letter.is_ascii_alphabetic()).next()
 }

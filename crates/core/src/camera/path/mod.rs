@@ -28,8 +28,7 @@ mod knot;
 mod turntable;
 
 pub use curve::Curve;
-#[doc(hidden)]
-pub use file::syntax;
+pub(super) use file::from_text;
 pub use file::{CameraPath, Key, MAX_KEYS, VERSION};
 pub use turntable::Turntable;
 

@@ -38,7 +38,7 @@ fn syntax_errors_name_line_and_column() {
         ("{\"version\": 1}", "p.json:1:14: ", "missing field `keys`"),
         ("{\"version\": 1,\n \"keys\": [], \"lop\": true}", "p.json:2:18: ", "unknown field `lop`, expected one of"),
         ("{\"version\": 1, \"keys\": [\n{\"eye\": [0, 1]}]}", "p.json:2:14: ", "array of length 3"),
-        ("{\"version\": 1, \"keys\": [\n{\"eye\": [0, 1, NaN]}]}", "p.json:2:16: ", "expected value"),
+        ("{\"version\": 1, \"keys\": [\n{\"eye\": [0, 1, NaN]}]}", "p.json:2:16: ", "NaN is not a number of JSON"),
         ("{\"version\": 1, \"keys\": [\n{\"eye\": [0, 1, 1e999]}]}", "p.json:2:20: ", "number out of range"),
         ("{\"version\": 1, \"keys\": [{\"eye\": [0, 1, \"2\"]}]}", "p.json:1:42: ", "invalid type: string"),
         ("{\"version\": 1, \"keys\": [{\"target\": [0, 1, 2]}]}", "p.json:1:45: ", "missing field `eye`"),

@@ -84,18 +84,47 @@ fn cameras_that_are_no_pinholes_give_notes() {
     let warnings = |head: &str| read(&transforms(&folder, head)).warnings().join("\n");
     let base = r#""fl_x": 100, "fl_y": 100, "w": 200, "h": 100"#;
     assert_eq!(warnings(base), "");
+    assert_eq!(warnings(&format!("{base}, \"applied_scale\": 1.0")), "", "a scale of 1 moves nothing");
     for (more, says) in [
         (r#""k1": 0.1"#, "distortion"),
         (r#""p2": -0.001"#, "distortion"),
         (r#""camera_model": "OPENCV_FISHEYE""#, "distortion"),
+        (r#""camera_model": "FISHEYE624""#, "distortion"),
+        (r#""is_fisheye": true"#, "distortion"),
         (r#""cx": 103.5, "cy": 50"#, "up to 3.5 pixels"),
-        (r#""applied_transform": [[1, 0, 0, 0]]"#, "applied_transform"),
+        (r#""applied_transform": [[1, 0, 0, 0]]"#, "after its applied_transform; "),
+        (r#""applied_scale": 0.25"#, "after its applied_scale; "),
+        (
+            r#""applied_scale": 2, "applied_transform": [[1, 0, 0, 0]]"#,
+            "after its applied_transform and applied_scale; ",
+        ),
     ] {
         let said = warnings(&format!("{base}, {more}"));
         assert!(said.contains(says) && said.lines().count() == 1, "{said}");
     }
     let said = warnings(r#""fl_x": 101, "fl_y": 100, "w": 200, "h": 100"#);
     assert!(said.contains("of 2 of 2 cameras the focal lengths in x and y differ"), "{said}");
+}
+
+#[test]
+fn cameras_that_draw_no_perspective_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = r#""fl_x": 100, "fl_y": 100, "w": 200, "h": 100"#;
+    for model in ["EQUIRECTANGULAR", "ORTHOPHOTO", "VR180_L", "VR180_R", "OMNIDIRECTIONALSTEREO_L", "equirectangular"] {
+        let path = transforms(&folder, &format!("{base}, \"camera_model\": \"{model}\""));
+        refused(&path, &format!("frames[0]: camera_model {} is no perspective camera", model.to_uppercase()));
+    }
+    refused(&transforms(&folder, &format!("{base}, \"latlong\": true")), "latlong is no perspective camera");
+    refused(&transforms(&folder, &format!("{base}, \"ftheta_p0\": 0.1")), "ftheta_p0 is no perspective camera");
+    // One of the frames.
+    let text = format!("{{{base}, {FRAMES}}}").replace("\"a.png\"", "\"a.png\", \"camera_model\": \"VR180_R\"");
+    let path = folder.path().join("one.json");
+    fs::write(&path, text).unwrap();
+    refused(&path, "frames[1]: camera_model VR180_R");
+    for model in ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "perspective", "FULL_OPENCV"] {
+        let source = read(&transforms(&folder, &format!("{base}, \"camera_model\": \"{model}\"")));
+        assert!(source.warnings().is_empty(), "{model}: {:?}", source.warnings());
+    }
 }
 
 #[test]
@@ -109,6 +138,9 @@ fn damaged_transforms_are_refused() {
     for (text, says) in [
         ("{\"frames\": []}".to_owned(), "no frames"),
         ("{\"cameras\": []}".to_owned(), "neither keys"),
+        ("5".to_owned(), "neither keys"),
+        (frame("[[1,0,0,NaN],[0,1,0,0],[0,0,1,0]]", ""), "NaN is not a number of JSON"),
+        (frame("[[1,0,0,0],\n[0,1,0,-Infinity],[0,0,1,0]]", ""), ":2:9: Infinity is not a number of JSON"),
         ("{\"frames\": [{}]}".to_owned(), "transform_matrix"),
         (frame("[]", ""), "frames[0]: transform_matrix must have"),
         (frame("[[1,0,0],[0,1,0],[0,0,1]]", ""), "length 4"),
@@ -185,6 +217,83 @@ fn colmap_text_by_hand() {
     model(&folder, "1 PINHOLE 200 100 100 100 100 50\n");
     fs::rename(folder.keep(), above.path().join("sparse/0")).unwrap();
     assert_model(&read(above.path()));
+}
+
+#[test]
+fn colmap_text_without_lines_of_points_gives_every_image() {
+    let folder = tempfile::tempdir().unwrap();
+    model(&folder, "1 PINHOLE 200 100 100 100 100 50\n");
+    let line = |number: usize, name: &str| format!("{number} 1 0 0 0 {number} 0 0 1 {name}\n");
+    for (images, expected) in [
+        (format!("# a list\n{}{}{}", line(1, "a.jpg"), line(2, "b.jpg"), line(3, "c.jpg")), 3),
+        // Some with points, one with none, one without a line; names that are numbers, and that have spaces.
+        (format!("{}1 2 -1 3.5 4 17\n{}\n{}{}", line(1, "1"), line(2, "2"), line(3, "3 rd"), line(4, "4")), 4),
+        (format!("{}  \n{}1e1 -2 5\n", line(1, "a"), line(2, "b")), 2),
+    ] {
+        fs::write(folder.path().join("images.txt"), &images).unwrap();
+        let keys = read(folder.path()).path([200, 100]).keys;
+        let eyes: Vec<_> = keys.iter().map(|key| key.eye[0]).collect();
+        assert_eq!(eyes, (1..=expected).map(|number| -f64::from(number)).collect::<Vec<_>>(), "{images}");
+    }
+    fs::write(folder.path().join("images.txt"), format!("{}1 2 -1 3\n", line(1, "a"))).unwrap();
+    let message = CameraSource::read(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("images.txt:2:1: QZ is missing"), "{message}");
+}
+
+/// Cameras as the training of Gaussians writes them: looking along +z from (1, 2, 3), y down; then from (5, 0, 0),
+/// turned by 90° around y to look along +x.
+const TRAINED: &str = r#"[
+  {"id": 0, "img_name": "b", "width": 200, "height": 100, "position": [1, 2, 3],
+   "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "fy": 100, "fx": 100},
+  {"id": 1, "img_name": "a", "width": 200, "height": 100, "position": [5.0, 0.0, 0.0],
+   "rotation": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], "fy": 100.0, "fx": 100.0}
+]"#;
+
+#[test]
+fn cameras_beside_gaussians_by_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cameras.json");
+    let size = [200, 100];
+    // With and without the mark of UTF-8, as a file and by its folder.
+    for text in [TRAINED.to_owned(), format!("\u{feff}{TRAINED}")] {
+        fs::write(&path, text).unwrap();
+        let source = read(&path);
+        assert_eq!((source.size(), source.warnings()), (Some(size), [].as_slice()));
+        let keys = source.path(size);
+        assert_eq!(keys.keys.len(), 2);
+        // (2, 3, 13) lies 1 to the right, 1 below and 10 before the eye.
+        assert_seen(&keys, 0, size, [2.0, 3.0, 13.0], [110.0, 60.0], 10.0);
+        // (9, 0.5, −1) lies 4 before, 0.5 below and, as −z is to the right of +x where y is down, 1 to the right.
+        assert_seen(&keys, 1, size, [9.0, 0.5, -1.0], [125.0, 62.5], 4.0);
+        assert_eq!(read(folder.path()), source);
+    }
+    fs::write(&path, TRAINED.replacen("\"fx\": 100", "\"cx\": 97, \"cy\": 50, \"fx\": 101", 1)).unwrap();
+    let said = read(&path).warnings().join("\n");
+    assert!(said.contains("of 1 of 2 cameras the focal lengths") && said.contains("up to 3.0 pixels"), "{said}");
+}
+
+#[test]
+fn damaged_lists_of_cameras_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("c.json");
+    for (text, says) in [
+        ("[]".to_owned(), "holds no cameras"),
+        ("[{\"id\": 0}]".to_owned(), "camera [0]: width is missing; a cameras.json of 3D Gaussian Splatting has width"),
+        ("[{\"id\": 0}, {\"id\": 0}, {\"id\": 0}]".to_owned(), "camera [0]: width is missing"),
+        ("[3]".to_owned(), "c.json:1:2: invalid type"),
+        (
+            "[{\"file_path\": \"a\", \"transform\": [[1, 0, 0, 0]]}]".to_owned(),
+            "camera [0]: this list of `ns-export cameras`",
+        ),
+        (TRAINED.replace("[5.0, 0.0, 0.0]", "[5.0, NaN, 0.0]"), "NaN is not a number of JSON"),
+        (TRAINED.replace("[5.0, 0.0, 0.0]", "[1e300, 0, 0]"), "camera [1] (a): position"),
+        (TRAINED.replace("[0, 1, 0], [-1", "[0, 1, 0], [1"), "camera [1] (a): rotation is none"),
+        (TRAINED.replacen("200", "0", 1), "camera [0] (b): the picture's sides"),
+        (TRAINED.replacen("\"fx\": 100", "\"fx\": 0", 1), "focal lengths"),
+    ] {
+        fs::write(&path, text).unwrap();
+        refused(&path, says);
+    }
 }
 
 #[test]
@@ -288,7 +397,10 @@ fn colmap_binary_by_hand_and_cut_anywhere() {
 fn missing_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let empty = CameraSource::read(folder.path()).unwrap_err();
-    assert!(empty.exit_status() == 2 && empty.to_string().contains("neither a transforms.json"), "{empty}");
+    assert!(
+        empty.exit_status() == 2 && empty.to_string().contains("neither a transforms.json nor a cameras.json"),
+        "{empty}"
+    );
     let missing = CameraSource::read(&folder.path().join("none.json")).unwrap_err();
     assert_eq!(missing.exit_status(), 1);
     fs::write(folder.path().join("latin.json"), b"\xff\xfe").unwrap();
