@@ -31,7 +31,7 @@ type Candidate = (DeviceInfo, vk::PhysicalDevice);
 fn enumerate(instance: &Instance) -> Result<Vec<Candidate>, Error> {
     // SAFETY: a plain query on a live instance.
     let physical =
-        unsafe { instance.raw.enumerate_physical_devices() }.map_err(Error::call("vkEnumeratePhysicalDevices"))?;
+        unsafe { instance.raw.enumerate_physical_devices() }.map_err(Error::start("vkEnumeratePhysicalDevices"))?;
     Ok(physical.into_iter().enumerate().map(|(index, p)| (describe(instance, index, p), p)).collect())
 }
 

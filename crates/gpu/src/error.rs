@@ -13,6 +13,18 @@ pub enum Error {
     /// The loader finds no driver.
     #[error("no Vulkan device; install a driver (without a GPU: mesa-vulkan-drivers) or run tools/setup.sh")]
     NoDevice,
+    /// Drivers are named, and none of them starts.
+    #[error(
+        "no Vulkan device: no driver starts ({call}: {result:?}); a driver's manifest may be damaged (one that VK_DRIVER_FILES \
+         or VK_ICD_FILENAMES names, else one in /usr/share/vulkan/icd.d), or its GPU may be missing (pass /dev/dri into a \
+         container); without a GPU, install mesa-vulkan-drivers"
+    )]
+    NoDriver {
+        /// The call.
+        call: &'static str,
+        /// The result that the call returned.
+        result: vk::Result,
+    },
     /// `--device` matches none of the present devices.
     #[error("no Vulkan device matches {wanted:?}; devices: {present}")]
     NoSuchDevice {
@@ -164,6 +176,18 @@ impl Error {
         }
     }
 
+    /// Returns a function for `map_err` after a call that starts drivers.
+    pub(crate) fn start(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
+        move |result| match result {
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER => Self::NoDevice,
+            // The loader answers so to a manifest that it can't read, and drivers where their device file is missing.
+            vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_INITIALIZATION_FAILED => {
+                Self::NoDriver { call, result }
+            }
+            result => Self::call(call)(result),
+        }
+    }
+
     /// Returns a function for `map_err` that makes an error which names the failed call.
     #[doc(hidden)]
     pub fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
@@ -177,6 +201,19 @@ impl Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn drivers_that_do_not_start_are_no_device_and_no_lack_of_memory() {
+        let start = |result| Error::start("vkCreateInstance")(result);
+        assert!(matches!(start(vk::Result::ERROR_INCOMPATIBLE_DRIVER), Error::NoDevice));
+        for result in [vk::Result::ERROR_OUT_OF_HOST_MEMORY, vk::Result::ERROR_INITIALIZATION_FAILED] {
+            let error = start(result);
+            assert!(!error.is_out_of_memory());
+            let text = error.to_string();
+            assert!(text.starts_with("no Vulkan device: ") && text.contains("VK_DRIVER_FILES"), "{text}");
+        }
+        assert!(matches!(start(vk::Result::ERROR_LAYER_NOT_PRESENT), Error::Vulkan { .. }));
+    }
 
     #[test]
     fn a_device_that_any_call_finds_lost_is_lost() {

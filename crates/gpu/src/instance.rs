@@ -93,11 +93,10 @@ impl Instance {
         }
         // SAFETY: every pointer in `info` lives to the end of this function.
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
-            vk::Result::ERROR_INCOMPATIBLE_DRIVER => Error::NoDevice,
             vk::Result::ERROR_EXTENSION_NOT_PRESENT if !wanted.is_empty() => {
                 Error::NoSurface("no Vulkan driver here knows windows of this kind".into())
             }
-            result => Error::Vulkan { call: "vkCreateInstance", result },
+            result => Error::start("vkCreateInstance")(result),
         })?;
 
         let mut instance = Self { raw, messages: Arc::default(), debug_utils, surface: None, messenger: None, entry };

@@ -58,7 +58,7 @@ impl From<Failure> for PyErr {
 fn install(error: &pellucid_gpu::Error) -> &'static str {
     use pellucid_gpu::Error as Gpu;
     match error {
-        Gpu::NoLoader(_) | Gpu::NoDevice | Gpu::Lacks { .. } => VULKAN,
+        Gpu::NoLoader(_) | Gpu::NoDevice | Gpu::NoDriver { .. } | Gpu::Lacks { .. } => VULKAN,
         _ => "",
     }
 }
