@@ -212,6 +212,74 @@ fn an_apng_has_every_bit_and_transparency() {
     }
 }
 
+/// The pixels of all frames of a GIF, how long each is shown in hundredths of a second, and how often all of them.
+fn read_gif(file: &Path, size: [u32; 2]) -> (Vec<Vec<u8>>, Vec<u16>, gif::Repeat) {
+    let mut options = DecodeOptions::new();
+    options.set_color_output(ColorOutput::Indexed);
+    let mut decoder = options.read_info(fs::File::open(file).unwrap()).unwrap();
+    let palette = decoder.global_palette().unwrap().to_vec();
+    let mut canvas = vec![0; (3 * size[0] * size[1]) as usize];
+    let (mut frames, mut delays) = (Vec::new(), Vec::new());
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        assert!(frame.palette.is_none() && frame.transparent.is_none(), "one palette for all");
+        delays.push(frame.delay);
+        for (at, index) in frame.buffer.iter().enumerate() {
+            let (x, y) = (at % usize::from(frame.width), at / usize::from(frame.width));
+            let place = 3 * ((y + usize::from(frame.top)) * size[0] as usize + x + usize::from(frame.left));
+            canvas[place..place + 3].copy_from_slice(&palette[3 * usize::from(*index)..][..3]);
+        }
+        frames.push(canvas.clone());
+    }
+    (frames, delays, decoder.repeat())
+}
+
+#[test]
+fn small_things_keep_their_colors_in_a_gif() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let size = [65, 49];
+    let scene = "[image]\nsize = [65, 49]\nbackground = [0.0, 0.0, 0.0]\n[[cloud]]\npath = \"two.ply\"\n";
+    fs::write(inside(&folder, "two.toml"), scene).unwrap();
+    // A large splat, whose shades are more than 256, and a small one before it.
+    for (large, small) in
+        [([0.9, 0.2, 0.3], [0.1, 0.8, 0.2]), ([0.3, 0.4, 0.9], [0.95, 0.9, 0.0]), ([1.0, 1.0, 0.6], [0.1, 0.2, 0.9])]
+    {
+        let line = |place: &str, color: [f64; 3], scale: f64| {
+            let [r, g, b] = color.map(|value| (value - 0.5) / 0.28209479177387814);
+            let scale = scale.ln();
+            format!("{place} {r} {g} {b} 4.6 {scale} {scale} {scale} 1 0 0 0\n")
+        };
+        let names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3";
+        let properties: String = names.split(' ').map(|name| format!("property float {name}\n")).collect();
+        let lines = line("0 0 0", large, 3.0) + &line("0.5 0 0", small, 0.2);
+        let file = format!("ply\nformat ascii 1.0\nelement vertex 2\n{properties}end_header\n{lines}");
+        fs::write(inside(&folder, "two.ply"), file).unwrap();
+        let film =
+            |name| done(&folder, &["render", "two.toml", "--turntable", "--frames", "4", "--overwrite", "-o", name]);
+        film("two.gif");
+        film("f_%d.png");
+        let frames = read_gif(&inside(&folder, "two.gif"), size).0;
+        let mut colors = HashSet::new();
+        let mut worst = (0.0, [0; 3], [0; 3]);
+        for (number, frame) in frames.iter().enumerate() {
+            let picture = pixels(&inside(&folder, &format!("f_{number}.png"))).0;
+            for (shown, wanted) in frame.chunks_exact(3).zip(picture.chunks_exact(3)) {
+                let square = |channel: usize| f64::from(shown[channel].abs_diff(wanted[channel])).powi(2);
+                let apart = ((2.0 * square(0) + 4.0 * square(1) + square(2)) / 7.0).sqrt();
+                if apart > worst.0 {
+                    worst = (apart, [wanted[0], wanted[1], wanted[2]], [shown[0], shown[1], shown[2]]);
+                }
+                colors.insert(wanted.to_vec());
+            }
+        }
+        assert!(colors.len() > 256 && frames.len() == 4, "{} colors: the palette must not be exact", colors.len());
+        // 16 levels to the color of a palette, 4 to the mean of a cube of 8, 6 for dithering.
+        assert!(worst.0 <= 26.0, "{worst:?}");
+    }
+}
+
 #[test]
 fn a_gif_is_near_to_the_pictures_and_its_background_rests() {
     if !has_device() {
@@ -220,25 +288,7 @@ fn a_gif_is_near_to_the_pictures_and_its_background_rests() {
     let folder = garden();
     done(&folder, &film(&["-o", "turn.gif", "--fps", "30"]));
     let pictures = numbered(&folder);
-    let read = |name: &str| {
-        let mut options = DecodeOptions::new();
-        options.set_color_output(ColorOutput::Indexed);
-        let mut decoder = options.read_info(fs::File::open(inside(&folder, name)).unwrap()).unwrap();
-        let palette = decoder.global_palette().unwrap().to_vec();
-        let mut canvas = vec![0; (3 * SIZE[0] * SIZE[1]) as usize];
-        let (mut frames, mut delays) = (Vec::new(), Vec::new());
-        while let Some(frame) = decoder.read_next_frame().unwrap() {
-            assert!(frame.palette.is_none() && frame.transparent.is_none(), "one palette for all");
-            delays.push(frame.delay);
-            for (at, index) in frame.buffer.iter().enumerate() {
-                let (x, y) = (at % usize::from(frame.width), at / usize::from(frame.width));
-                let place = 3 * ((y + usize::from(frame.top)) * SIZE[0] as usize + x + usize::from(frame.left));
-                canvas[place..place + 3].copy_from_slice(&palette[3 * usize::from(*index)..][..3]);
-            }
-            frames.push(canvas.clone());
-        }
-        (frames, delays, decoder.repeat())
-    };
+    let read = |name: &str| read_gif(&inside(&folder, name), SIZE);
     let (frames, delays, repeat) = read("turn.gif");
     assert_eq!((delays.as_slice(), repeat), (&[3, 4, 3, 3, 4, 3][..], gif::Repeat::Infinite));
     // A step of dithering is 6 of 255 at most, and half of that in the mean; the palette is about as far off where it

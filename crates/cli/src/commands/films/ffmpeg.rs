@@ -18,6 +18,11 @@ const VARIABLE: &str = "PELLUCID_FFMPEG";
 /// Threads of the encoder. Their number shows in the bytes of a film, so it doesn't follow the machine's.
 const THREADS: &str = "4";
 
+/// Frames become limited BT.709, and are marked so at the end: from version 7.1 on, ffmpeg takes the marks of a film
+/// from its frames, and `scale` sets the matrix and the range alone.
+const FILTERS: &str = "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+bitexact,\
+    format=yuv420p,setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709:range=tv";
+
 /// Lines of ffmpeg's that an error repeats.
 const LINES: usize = 5;
 
@@ -144,7 +149,7 @@ impl Encoding<'_> {
         command.args(["-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", &format!("{width}x{height}")]);
         command.args(["-framerate", &self.fps.to_string(), "-i", "pipe:0"]);
         // The matrix of BT.709 on the way, and said in the file: players would guess by the size.
-        command.args(["-vf", "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+bitexact,format=yuv420p"]);
+        command.args(["-vf", FILTERS]);
         command.args([
             "-colorspace",
             "bt709",
@@ -220,6 +225,15 @@ impl Helper {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frames_reach_the_encoder_with_all_four_marks_of_bt709() {
+        let last = FILTERS.rsplit_once(',').and_then(|(_, last)| last.strip_prefix("setparams="));
+        let mut marks: Vec<&str> = last.unwrap_or_default().split(':').collect();
+        marks.sort_unstable();
+        assert_eq!(marks, ["color_primaries=bt709", "color_trc=bt709", "colorspace=bt709", "range=tv"]);
+        assert!(!FILTERS.contains(' '), "the line break of the source is none of the filter's");
+    }
 
     #[test]
     fn only_the_last_lines_are_kept() {

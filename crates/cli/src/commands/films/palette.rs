@@ -10,6 +10,13 @@ use super::stills::Stills;
 /// Pixels that the colors are chosen by.
 const SAMPLES: usize = 200_000;
 
+/// Distance in levels of 255 from the nearest color of the palette at which a color gets one of its own: farther away
+/// a small thing changes its hue.
+const NEGLECTED: i32 = 16;
+
+/// Colors that are for neglected ones, at most: a quarter costs the others a tenth of their accuracy.
+const RESERVED: usize = 64;
+
 /// The largest step that dithering adds to or takes from a channel.
 const DITHER: i32 = 6;
 
@@ -48,13 +55,17 @@ impl Palette {
         // All colors, as long as a palette has room for them.
         let mut all = HashSet::new();
         let mut samples = Vec::new();
+        let mut cells = Cells::default();
         let mut number = 0;
         for still in stills.iter() {
             let bytes = still?.bytes;
             let mut before = None;
             for pixel in rgb(&bytes) {
-                if before.replace(pixel) != Some(pixel) && all.len() <= 256 {
-                    all.insert(pixel);
+                if before.replace(pixel) != Some(pixel) {
+                    cells.add(pixel);
+                    if all.len() <= 256 {
+                        all.insert(pixel);
+                    }
                 }
                 if number % every == 0 {
                     samples.push(pixel);
@@ -72,9 +83,17 @@ impl Palette {
             let most = counts.into_iter().map(|(color, count)| (count, color)).max().unwrap_or_default().1;
             let rest: Vec<u8> =
                 samples.iter().filter(|pixel| **pixel != most).flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
-            let mut colors = chosen(&rest);
-            colors.push(most);
-            colors
+            let colors = |count| [chosen(&rest, count), vec![most]].concat();
+            let means = cells.means();
+            // The samples decide by their number, so few pixels count little, and may not be among them at all.
+            match neglected(&means, &colors(255), RESERVED).len() {
+                0 => colors(255),
+                reserved => {
+                    let frequent = colors(255 - reserved);
+                    let rare = neglected(&means, &frequent, reserved);
+                    [frequent, rare].concat()
+                }
+            }
         };
         colors.sort_unstable();
         colors.dedup();
@@ -125,12 +144,57 @@ fn apart(a: [u8; 3], b: [u8; 3]) -> i32 {
     2 * square(0) + 4 * square(1) + square(2)
 }
 
-/// Chooses at most 255 colors for these pixels (R, G, B, A).
-fn chosen(pixels: &[u8]) -> Vec<[u8; 3]> {
+/// Sums of the colors in each cube of 8 levels.
+struct Cells {
+    sums: Vec<[u64; 3]>,
+    counts: Vec<u64>,
+}
+
+impl Default for Cells {
+    fn default() -> Self {
+        Self { sums: vec![[0; 3]; 1 << 15], counts: vec![0; 1 << 15] }
+    }
+}
+
+impl Cells {
+    fn add(&mut self, pixel: [u8; 3]) {
+        let [r, g, b] = pixel.map(|value| usize::from(value >> 3));
+        let cell = r << 10 | g << 5 | b;
+        (0..3).for_each(|channel| self.sums[cell][channel] += u64::from(pixel[channel]));
+        self.counts[cell] += 1;
+    }
+
+    /// Means of the cubes that hold a color.
+    fn means(&self) -> Vec<[u8; 3]> {
+        let held = self.sums.iter().zip(&self.counts).filter(|(_, count)| **count > 0);
+        held.map(|(sum, count)| sum.map(|sum| ((sum + count / 2) / count) as u8)).collect()
+    }
+}
+
+/// Returns at most `most` of the colors, so that those of which the palette has nothing near become fewer: always the
+/// one that is farthest from all.
+fn neglected(colors: &[[u8; 3]], palette: &[[u8; 3]], most: usize) -> Vec<[u8; 3]> {
+    let far = NEGLECTED.pow(2) * apart([0; 3], [1; 3]);
+    let to_nearest = |color: &[u8; 3]| palette.iter().map(|other| apart(*color, *other)).min().unwrap_or(i32::MAX);
+    let mut distances: Vec<i32> = colors.iter().map(to_nearest).collect();
+    let mut found = Vec::new();
+    while found.len() < most
+        && let Some((at, distance)) = distances.iter().copied().enumerate().max_by_key(|(_, distance)| *distance)
+        && distance > far
+    {
+        let color = colors[at];
+        found.push(color);
+        distances.iter_mut().zip(colors).for_each(|(distance, other)| *distance = apart(color, *other).min(*distance));
+    }
+    found
+}
+
+/// Chooses at most `count` colors for these pixels (R, G, B, A).
+fn chosen(pixels: &[u8], count: usize) -> Vec<[u8; 3]> {
     if pixels.is_empty() {
         return Vec::new();
     }
-    let map = NeuQuant::new(1, 255, pixels).color_map_rgb();
+    let map = NeuQuant::new(1, count, pixels).color_map_rgb();
     map.chunks_exact(3).map(|color| [color[0], color[1], color[2]]).collect()
 }
 
@@ -149,6 +213,21 @@ mod tests {
         assert_eq!([bayer(0, 0), bayer(1, 1), bayer(1, 0), bayer(0, 1)].map(|value| value / 16), [0, 1, 2, 3]);
         all.sort_unstable();
         assert_eq!(all, (0..64).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn colors_far_from_a_palette_come_first_and_near_ones_not_at_all() {
+        let colors = [[10; 3], [0, 255, 0], [0, 250, 0], [255, 255, 0], [24; 3]];
+        assert_eq!(neglected(&colors, &[[10; 3]], 9), [[255, 255, 0], [0, 255, 0]]);
+        assert_eq!(neglected(&colors, &[[10; 3]], 1), [[255, 255, 0]]);
+        assert_eq!(neglected(&colors, &colors, 9), [[0; 3]; 0]);
+    }
+
+    #[test]
+    fn a_cell_is_the_mean_of_its_colors() {
+        let mut cells = Cells::default();
+        [[8, 16, 255], [11, 17, 255], [11, 16, 254], [90; 3]].into_iter().for_each(|color| cells.add(color));
+        assert_eq!(cells.means(), [[10, 16, 255], [90; 3]]);
     }
 
     #[test]
