@@ -18,6 +18,20 @@ use super::bar::Bar;
 use super::headings::OUTPUT;
 use super::options::{DeviceArgs, one_of};
 
+/// Order of samples, and whether the header tells it.
+#[derive(Debug, Clone, Copy)]
+struct Order {
+    state: State,
+    is_told: bool,
+}
+
+const STATES: [(&str, Order); 4] = [
+    ("tidy", Order { state: State::Tidy, is_told: false }),
+    ("sorted", Order { state: State::Sorted, is_told: false }),
+    ("tidy,state", Order { state: State::Tidy, is_told: true }),
+    ("sorted,state", Order { state: State::Sorted, is_told: true }),
+];
+
 /// Samples of each pixel.
 #[derive(Debug, Args)]
 pub struct DeepArgs {
@@ -26,10 +40,11 @@ pub struct DeepArgs {
     /// Each sample has linear R, G, B times A, A and Z, without the background. Methods: abuffer, linked-list, sorted,
     /// peel, and soft-concentric. Ellipsoids and the shells of soft-concentric are volumes and also have ZBack. `tidy`
     /// (the default) merges fragments at one depth and splits volumes where others begin or end; `sorted` keeps each
-    /// fragment as it is.
+    /// fragment as it is. With `,state` the header tells which of both it is (`deepImageState`); OpenEXR's Python
+    /// module can't open such files.
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "tidy", help_heading = OUTPUT)]
-    #[arg(value_parser = one_of(&[("tidy", State::Tidy), ("sorted", State::Sorted)]))]
-    deep: Option<State>,
+    #[arg(value_parser = one_of(&STATES))]
+    deep: Option<Order>,
     /// With --deep: type of color and A.
     ///
     /// `float` (the default) keeps all 24 bits of precision, `half` 11 bits in half the space. Z and ZBack are always
@@ -46,7 +61,7 @@ pub struct DeepArgs {
 /// Form of a deep image.
 #[derive(Debug, Clone, Copy)]
 pub struct DeepFormat {
-    state: State,
+    order: Order,
     numbers: Numbers,
     packing: Packing,
 }
@@ -56,13 +71,13 @@ impl DeepArgs {
     pub fn format(&self) -> Option<DeepFormat> {
         let (numbers, packing) =
             (self.deep_type.unwrap_or(Numbers::Float), self.deep_compression.unwrap_or(Packing::Zips));
-        Some(DeepFormat { state: self.deep?, numbers, packing })
+        Some(DeepFormat { order: self.deep?, numbers, packing })
     }
 }
 
 /// Writes the samples of a scene.
 pub fn run(format: DeepFormat, device: &DeviceArgs, prepared: Prepared, output: &Path, progress: &Bar) -> Result<()> {
-    let state = format.state;
+    let state = format.order.state;
     deep::check(&prepared.frame(), prepared.points().splats().is_some(), state)?;
     let mut session = Session::upload(&device.open(progress)?, prepared, false, progress)?;
     session.find_opacity()?;
@@ -98,13 +113,14 @@ pub fn run(format: DeepFormat, device: &DeviceArgs, prepared: Prepared, output: 
     Ok(())
 }
 
-fn layout(DeepFormat { state, numbers, packing }: DeepFormat, session: &Session) -> DeepLayout {
+fn layout(DeepFormat { order, numbers, packing }: DeepFormat, session: &Session) -> DeepLayout {
     let mut metadata = session.prepared.metadata(session.frame.method.name(), &session.device.info().name);
     let found = session.found.map(|found| found.json(&session.scene().clouds));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     DeepLayout {
         size: session.frame.size,
-        state,
+        state: order.state,
+        tells_state: order.is_told,
         numbers,
         packing,
         volumes: deep::has_volumes(&session.frame.method, session.uploaded.cloud.has_gaussians()),

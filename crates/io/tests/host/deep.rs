@@ -11,6 +11,7 @@ fn layout(size: [u32; 2]) -> DeepLayout {
     DeepLayout {
         size,
         state: State::Tidy,
+        tells_state: false,
         numbers: Numbers::Float,
         packing: Packing::Raw,
         volumes: false,
@@ -48,34 +49,42 @@ fn a_tiny_image_by_hand() {
     let window = [0, 0, 0, 1].map(i32::to_le_bytes).concat();
     let channel = |name: &str| [text(name), int(2), int(0), int(1), int(1)].concat();
     let channels = [["A", "B", "G", "R", "Z"].map(channel).concat(), vec![0]].concat();
-    let header = [
-        vec![0x76, 0x2f, 0x31, 0x01, 0x02, 0x08, 0x00, 0x00],
-        attribute("channels", "chlist", &channels),
-        attribute("chunkCount", "int", &int(2)),
-        attribute("compression", "compression", &[0]),
-        attribute("dataWindow", "box2i", &window),
-        attribute("deepImageState", "deepImageState", &[3]),
-        attribute("displayWindow", "box2i", &window),
-        attribute("lineOrder", "lineOrder", &[0]),
-        attribute("maxSamplesPerPixel", "int", &int(2)),
-        attribute("name", "string", b"deep"),
-        attribute("pellucid:scene", "string", b"a.ply"),
-        attribute("pixelAspectRatio", "float", &1f32.to_le_bytes()),
-        attribute("screenWindowCenter", "v2f", &[0; 8]),
-        attribute("screenWindowWidth", "float", &1f32.to_le_bytes()),
-        attribute("type", "string", b"deepscanline"),
-        attribute("version", "int", &int(1)),
-        vec![0],
-    ]
-    .concat();
+    let header = |state: Vec<u8>| {
+        [
+            vec![0x76, 0x2f, 0x31, 0x01, 0x02, 0x08, 0x00, 0x00],
+            attribute("channels", "chlist", &channels),
+            attribute("chunkCount", "int", &int(2)),
+            attribute("compression", "compression", &[0]),
+            attribute("dataWindow", "box2i", &window),
+            state,
+            attribute("displayWindow", "box2i", &window),
+            attribute("lineOrder", "lineOrder", &[0]),
+            attribute("maxSamplesPerPixel", "int", &int(2)),
+            attribute("name", "string", b"deep"),
+            attribute("pellucid:scene", "string", b"a.ply"),
+            attribute("pixelAspectRatio", "float", &1f32.to_le_bytes()),
+            attribute("screenWindowCenter", "v2f", &[0; 8]),
+            attribute("screenWindowWidth", "float", &1f32.to_le_bytes()),
+            attribute("type", "string", b"deepscanline"),
+            attribute("version", "int", &int(1)),
+            vec![0],
+        ]
+        .concat()
+    };
     // A, B, G, R, Z of both samples.
     let data = [0.5f32, 1.0, 1.0, 0.0, 0.25, 0.0, 0.5, 0.0, 2.0, 4.0].map(f32::to_le_bytes).concat();
     let first = [int(0), long(4), long(40), long(40), int(2), data].concat();
     let second = [int(1), long(4), long(0), long(0), int(0)].concat();
-    let begin = header.len() as u64 + 16;
-    let table = [long(begin), long(begin + first.len() as u64)].concat();
-    let wanted = [header, table, first, second].concat();
+    let file = |state: Vec<u8>| {
+        let header = header(state);
+        let begin = header.len() as u64 + 16;
+        let table = [long(begin), long(begin + first.len() as u64)].concat();
+        [header, table, first.clone(), second.clone()].concat()
+    };
+    let wanted = file(Vec::new());
     assert_eq!(bytes, wanted);
+    let told = written(&DeepLayout { tells_state: true, ..layout([1, 2]) }, &lists, 1).0;
+    assert_eq!(told, file(attribute("deepImageState", "deepImageState", &[3])));
     assert_eq!(counts, Written { samples: 2, longest: 2, bytes: wanted.len() as u64 });
     assert_eq!(layout([1, 2]).most_bytes(2).unwrap(), wanted.len() as u64);
 }
@@ -201,8 +210,11 @@ fn written_deep_images_are_read_back() {
     for volumes in [false, true] {
         let lists = lists(240, volumes);
         for packing in [Packing::Zips, Packing::Raw] {
-            for (state, value) in [(State::Tidy, 3), (State::Sorted, 1)] {
-                let layout = DeepLayout { packing, state, volumes, ..layout([20, 12]) };
+            // No state is 0.
+            for (state, tells_state, value) in
+                [(State::Tidy, true, 3), (State::Sorted, true, 1), (State::Tidy, false, 0)]
+            {
+                let layout = DeepLayout { packing, state, tells_state, volumes, ..layout([20, 12]) };
                 let (bytes, counts) = written(&layout, &lists, 240);
                 assert_eq!(decoded(&bytes, size), (lists.clone(), value, 22));
                 let samples = lists.iter().map(Vec::len).sum::<usize>() as u64;

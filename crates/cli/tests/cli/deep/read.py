@@ -18,8 +18,8 @@ import OpenEXR
 ROUNDING = 2.0**-24
 
 
-# Name, type and size of the attribute that says how orderly samples are. OpenEXR's library knows the type, its Python
-# module (3.5.3) refuses files that have it.
+# Name, type and size of the attribute that says how orderly samples are, in files that were asked for it. OpenEXR's
+# library knows the type, its Python module (3.5.3) refuses files that have it.
 STATE = b"deepImageState\0deepImageState\0\1\0\0\0"
 
 
@@ -30,18 +30,21 @@ def channels(path):
 
 
 def deep_channels(path):
-    """The channels of a deep file and its state: read from a copy in which the state has a type that the module doesn't know, and passes over."""
+    """The channels of a deep file and its state. Where the header has one, a copy is read in which it has a type that the module doesn't know, and
+    passes over."""
     content = pathlib.Path(path).read_bytes()
-    if content.count(STATE) != 1:
-        sys.exit(f"{path}: no deepImageState")
-    state = content[content.index(STATE) + len(STATE)]
-    with tempfile.TemporaryDirectory() as folder:
-        copy = pathlib.Path(folder, "copy.exr")
-        copy.write_bytes(content.replace(STATE, STATE.replace(b"State\0\1", b"Stat_\0\1")))
-        kind, found = channels(copy)
+    state = 0
+    if STATE in content:
+        state = content[content.index(STATE) + len(STATE)]
+        with tempfile.TemporaryDirectory() as folder:
+            copy = pathlib.Path(folder, "copy.exr")
+            copy.write_bytes(content.replace(STATE, STATE.replace(b"State\0\1", b"Stat_\0\1")))
+            kind, found = channels(copy)
+    else:
+        kind, found = channels(path)
     if kind != OpenEXR.deepscanline:
         sys.exit(f"{path}: type {kind}")
-    return found, {1: "sorted", 3: "tidy"}[state]
+    return found, {0: "none", 1: "sorted", 3: "tidy"}[state]
 
 
 def samples(deep, x, y):

@@ -141,6 +141,7 @@ mod tests {
         let layout = DeepLayout {
             size: [1, 1],
             state: State::Tidy,
+            tells_state: false,
             numbers: Numbers::Float,
             packing: Packing::Raw,
             volumes: false,

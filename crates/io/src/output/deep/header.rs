@@ -41,7 +41,6 @@ pub(super) fn bytes(layout: &DeepLayout) -> io::Result<Header> {
         ("chunkCount", "int", height.to_le_bytes().to_vec()),
         ("compression", "compression", vec![packing]),
         ("dataWindow", "box2i", window.clone()),
-        ("deepImageState", "deepImageState", vec![state]),
         ("displayWindow", "box2i", window),
         // Increasing.
         ("lineOrder", "lineOrder", vec![0]),
@@ -53,6 +52,7 @@ pub(super) fn bytes(layout: &DeepLayout) -> io::Result<Header> {
         ("type", "string", b"deepscanline".to_vec()),
         ("version", "int", 1i32.to_le_bytes().to_vec()),
     ];
+    attributes.extend(layout.tells_state.then(|| ("deepImageState", "deepImageState", vec![state])));
     attributes.extend(layout.metadata.iter().map(|(name, value)| (name.as_str(), "string", value.as_bytes().to_vec())));
     attributes.sort();
     let mut header = Header { bytes: BEGIN.to_vec(), longest_at: 0 };

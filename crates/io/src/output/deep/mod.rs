@@ -26,7 +26,7 @@ pub struct Sample {
     pub back: f32,
 }
 
-/// Order of the samples of a pixel: OpenEXR's `deepImageState`.
+/// Order of the samples of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     /// Samples ordered by depth, no two at the same one, volumes split where others begin or end.
@@ -60,6 +60,9 @@ pub struct DeepLayout {
     pub size: [u32; 2],
     /// Order of the samples.
     pub state: State,
+    /// `true` if the header tells the order, as OpenEXR's attribute `deepImageState`. Its Python module refuses files
+    /// that have it (3.5.3).
+    pub tells_state: bool,
     /// The numbers of color and opacity.
     pub numbers: Numbers,
     /// Packing of lines.
