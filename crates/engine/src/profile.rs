@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use pellucid_scene::stored::Reads;
 use serde_json::{Value, json};
 
 use crate::gpu::{self, Compilation, Device, Memory};
@@ -17,8 +18,14 @@ pub struct Profile {
     pub driver: String,
     /// Nanoseconds of one tick of a timestamp.
     pub timestamp_period_ns: f64,
+    /// Name of the method.
+    pub method: &'static str,
     /// Width × height.
     pub pixels: u64,
+    /// Nodes and bytes of stores that were read so far; 0 for clouds in memory.
+    pub read: Reads,
+    /// Most bytes of host memory that the process had so far; `None` where the system doesn't say.
+    pub peak_host_bytes: Option<u64>,
     /// The counts of the last frame.
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
@@ -38,6 +45,9 @@ impl Profile {
             device: info.name.clone(),
             driver: info.driver.clone(),
             timestamp_period_ns: info.timestamp_period_ns,
+            method: frame.method.name(),
+            read: Reads::default(),
+            peak_host_bytes: None,
             pixels: u64::from(frame.size[0]) * u64::from(frame.size[1]),
             facts: Facts::default(),
             list_histogram: Vec::new(),
@@ -70,15 +80,19 @@ impl Profile {
         json!({
             "version": 1,
             "device": {"name": self.device, "driver": self.driver, "timestamp_period_ns": self.timestamp_period_ns},
+            "method": self.method,
             "scene": {
-                "points": self.facts.points,
+                "points": self.facts.shown,
                 "pixels": self.pixels,
                 "fragments": self.facts.fragments,
                 "max_list": self.facts.max_list,
                 "list_histogram": self.list_histogram,
+                "nodes_read": self.read.nodes,
+                "bytes_read": self.read.bytes,
             },
             "memory": {
                 "peak_device_bytes": self.facts.peak_device_bytes,
+                "peak_host_bytes": self.peak_host_bytes,
                 "fragment_bytes": self.facts.fragment_bytes,
                 "bands": self.facts.bands,
             },
@@ -222,7 +236,7 @@ const DEVICE: u32 = 1;
 impl Profile {
     /// Phases of the host, frames and dispatches in the Chrome trace event format, in microseconds since the first of
     /// them. The row of the host has the phases, the frames within them, and the pipelines that were made; the row of
-    /// the device has the dispatches.
+    /// the device has the dispatches. Events are in the order of their starts.
     pub fn to_trace(&self) -> Value {
         let begins = self.host.iter().map(|span| span.begin).chain(self.frames.iter().map(|frame| frame.begin));
         let mut events = Vec::new();
@@ -232,11 +246,21 @@ impl Profile {
                 add_frame(&mut events, number, frame, frame.begin - origin);
             }
         }
+        sort_events(&mut events);
         for (thread, name) in [(HOST, "host"), (DEVICE, "device")] {
             events.push(json!({"name": "thread_name", "ph": "M", "pid": 0, "tid": thread, "args": {"name": name}}));
         }
         json!({"traceEvents": events, "displayTimeUnit": "ms"})
     }
+}
+
+/// Sorts events of a trace by their starts, and those that start together so that one that encloses another comes
+/// first.
+pub fn sort_events(events: &mut [Value]) {
+    let micros = |event: &Value, key: &str| event[key].as_f64().unwrap_or(0.0);
+    events.sort_by(|a, b| {
+        micros(a, "ts").total_cmp(&micros(b, "ts")).then_with(|| micros(b, "dur").total_cmp(&micros(a, "dur")))
+    });
 }
 
 fn phase(span: &Span, origin: Instant) -> Value {

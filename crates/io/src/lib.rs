@@ -30,7 +30,7 @@ use pellucid_core::progress::Progress;
 
 pub use columns::unit_or_zero;
 pub use decoder::silence_decoder_panics;
-pub use memory::{LEAST_MEMORY, memory_for_points};
+pub use memory::{LEAST_MEMORY, has_memory, memory_for_points, peak_memory};
 use pellucid_core::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, same_scalar};
 use photo::Photo;
 use shared::SharedFile;

@@ -46,9 +46,35 @@ pub fn memory_for_points() -> u64 {
     free.map_or(UNKNOWN, |free| (free / 2).max(LEAST_MEMORY))
 }
 
+/// Returns `true` if this process can have so many more bytes of memory, as far as the system says.
+pub fn has_memory(bytes: u64) -> bool {
+    let Ok(length) = usize::try_from(bytes) else { return false };
+    free().is_none_or(|free| bytes <= free) && Vec::<u8>::new().try_reserve_exact(length).is_ok()
+}
+
+/// Returns the most bytes of memory that this process had at a time so far, where Linux says so.
+pub fn peak_memory() -> Option<u64> {
+    bytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nobody_has_all_memory_that_there_could_be() {
+        assert!(has_memory(0) && has_memory(1 << 20));
+        assert!(!has_memory(u64::MAX) && !has_memory(1 << 60));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_peak_of_memory_holds_what_was_touched_and_given_back() {
+        let before = peak_memory().unwrap();
+        drop(std::hint::black_box(vec![1u8; 512 << 20]));
+        let after = peak_memory().unwrap();
+        assert!(after >= 512 << 20 && after >= before, "{before}, {after}");
+    }
 
     #[test]
     fn available_memory_is_parsed() {

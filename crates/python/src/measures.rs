@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use pellucid_engine::methods::{Frame, Stop};
-use pellucid_engine::profile::{self, Profile};
+use pellucid_engine::profile;
 use pellucid_io::output;
 use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options};
 use pellucid_session::candidates::{self, Formation};
@@ -26,7 +26,7 @@ pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String
     };
     let kept = session.frame;
     let first = render(session)?;
-    let mut profile = Profile::new(&session.device, &session.frame);
+    let mut profile = session.profile();
     let counted = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
     if session.frame.counts_on_demand() {
@@ -47,6 +47,7 @@ pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String
     measured?;
     (profile.facts.fragments, profile.facts.max_list) = counted;
     profile.list_histogram = histogram;
+    session.add_use(&mut profile);
     profile.add_host(talk.progress.spans(), &session.device.compilations());
     Ok(profile.to_json().to_string())
 }

@@ -82,7 +82,7 @@ fn left_out(frame: &Frame, cloud: &DeviceCloud) -> Option<Value> {
         "spacing_px": frame.detail.spacing_px,
         "max_points": frame.detail.max_points,
         "cut_px": cut.px,
-        "points": cut.points(),
+        "points": cut.shown(),
         "of": cloud.total(),
     }))
 }

@@ -15,6 +15,8 @@ use pellucid_engine::plan;
 use pellucid_engine::profile::Profile;
 use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
+use pellucid_io::peak_memory;
+use pellucid_scene::stored::Stored;
 use pellucid_scene::{self as scene, Method, MethodChoice, Scene};
 
 use crate::assembled::Assembled;
@@ -485,7 +487,15 @@ impl Session {
 
     /// Returns a profile without frames.
     pub fn profile(&self) -> Profile {
-        Profile::new(&self.device, &self.frame)
+        let mut profile = Profile::new(&self.device, &self.frame);
+        self.add_use(&mut profile);
+        profile
+    }
+
+    /// Gives a profile what the work so far read of stores, and what host memory it took.
+    pub fn add_use(&self, profile: &mut Profile) {
+        profile.read = self.assembled().stored().map(Stored::reads).unwrap_or_default();
+        profile.peak_host_bytes = peak_memory();
     }
 
     /// Begins the phase in which the rest of the work writes what was rendered.
@@ -493,8 +503,9 @@ impl Session {
         self.progress.begin(Phase::Write);
     }
 
-    /// Adds the phases of the work so far to a profile.
+    /// Adds the phases of the work so far to a profile, and what it took.
     pub fn add_phases(&self, profile: &mut Profile) {
+        self.add_use(profile);
         profile.add_host(self.progress.spans(), &self.device.compilations());
     }
 }

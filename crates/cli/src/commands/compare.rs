@@ -35,6 +35,11 @@ pub struct CompareArgs {
     /// verdict}; unknown values are null.
     #[arg(long)]
     json: bool,
+    /// Profiles: compare them even if points, pixels, method or device differ.
+    ///
+    /// Otherwise such a difference is an error (status 1), since the times are of different work.
+    #[arg(long)]
+    anyway: bool,
     /// Exit with status 1 if the metric is above the value; repeatable.
     ///
     /// Metrics of pictures: rmse, nmse, psnr, ssim, flip, max, above_1_255. Of profiles: the ratio B/A of a pass by its
@@ -79,7 +84,13 @@ pub fn run(args: CompareArgs, console: Console) -> Result<ExitCode> {
         (true, true) if args.output.is_some() => {
             return Err(usage("-o: profiles have no difference picture; give two pictures"));
         }
-        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits, &slower, console)?,
+        (true, true) => {
+            let files = [args.a.as_path(), args.b.as_path()];
+            compare_profiles::run(files, (args.json, args.anyway), &limits, &slower, console)?
+        }
+        (false, false) if args.anyway => {
+            return Err(usage("--anyway: only pictures of one size can be compared; it is for profiles"));
+        }
         (false, false) if !slower.is_empty() => {
             return Err(usage("--fail-slower: pictures have no passes; give two profiles"));
         }

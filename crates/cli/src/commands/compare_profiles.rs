@@ -16,7 +16,24 @@ use super::tables::table;
 /// The part of a profile that is compared.
 #[derive(Debug, Deserialize)]
 struct Profile {
+    #[serde(default)]
+    device: ProfiledDevice,
+    /// Absent in profiles of version 0.2.0 and before.
+    method: Option<String>,
+    #[serde(default)]
+    scene: ProfiledScene,
     frames: Vec<ProfiledFrame>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+struct ProfiledDevice {
+    name: Option<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+struct ProfiledScene {
+    points: Option<u64>,
+    pixels: Option<u64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -70,9 +87,26 @@ const FRAME: &str = "frame";
 /// Passes below this share of the frame are judged, but fail nothing unless they are named.
 const MIN_SHARE: f64 = 0.01;
 
-/// Compares two profiles; false if a limit is broken.
-pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower], console: Console) -> Result<bool> {
-    let rows = rows(&read(a)?, &read(b)?);
+/// Compares two profiles; false if they measure different things, and not `anyway`, or if a limit is broken.
+pub fn run(
+    [a, b]: [&Path; 2],
+    (json, anyway): (bool, bool),
+    limits: &[Limit],
+    slower: &[Slower],
+    console: Console,
+) -> Result<bool> {
+    let profiles = [read(a)?, read(b)?];
+    let differences = differences(&profiles);
+    if !differences.is_empty() && !anyway {
+        console.report(format_args!(
+            "error: {} and {} measure different things: {}; --anyway compares them nevertheless",
+            a.display(),
+            b.display(),
+            differences.join(", ")
+        ));
+        return Ok(false);
+    }
+    let rows = rows(&profiles[0], &profiles[1]);
     let mut ratios = Vec::new();
     for limit in limits {
         let row = find(&rows, &limit.metric).ok_or_else(|| limit.unusable("no pass has this name"))?;
@@ -92,6 +126,20 @@ pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower], 
     let broken = ratios.iter().filter(|(limit, ratio)| limit.is_broken_by(*ratio, console)).count()
         + intervals.iter().filter(|(limit, (name, interval))| limit.is_broken_by(name, *interval, console)).count();
     Ok(broken == 0)
+}
+
+/// Returns what two profiles don't have in common, among what the times depend on; what one doesn't tell is no
+/// difference.
+fn differences([a, b]: &[Profile; 2]) -> Vec<String> {
+    let number = |value: Option<u64>| value.map(|value| value.to_string());
+    let facts = [
+        ("points", number(a.scene.points), number(b.scene.points)),
+        ("pixels", number(a.scene.pixels), number(b.scene.pixels)),
+        ("method", a.method.clone(), b.method.clone()),
+        ("device", a.device.name.clone(), b.device.name.clone()),
+    ];
+    let differing = facts.into_iter().filter_map(|(name, a, b)| Some((name, a?, b?))).filter(|(_, a, b)| a != b);
+    differing.map(|(name, a, b)| format!("{name} {a} and {b}")).collect()
 }
 
 fn find<'a>(rows: &'a [PassComparison], name: &str) -> Option<&'a PassComparison> {

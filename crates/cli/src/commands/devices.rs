@@ -32,21 +32,16 @@ pub fn run(args: DevicesArgs, console: Console) -> Result<()> {
     if args.json {
         let list: Vec<_> = devices
             .iter()
-            .map(|d| json!({"index": d.index, "name": d.name, "driver": d.driver, "lacks": d.lacks, "taken": taken == Some(d.index)}))
+            .map(|d| json!({"index": d.index, "name": d.name, "driver": d.driver, "lacks": lacks(d), "taken": taken == Some(d.index)}))
             .collect();
         return console.print_json(&json!(list));
     }
     let mut text = String::new();
     for d in &devices {
         let mark = if taken == Some(d.index) { '*' } else { ' ' };
-        let methods = methods::without_subgroups(d);
-        let lacks = if !d.lacks.is_empty() {
-            d.lacks.join(", ")
-        } else if methods.is_empty() {
-            "nothing".to_owned()
-        } else {
-            let methods = methods.join(", ");
-            format!("subgroups of 8 to 32 invocations (needed by {methods}, and by soft methods with solid points)")
+        let lacks = match lacks(d) {
+            lacks if lacks.is_empty() => "nothing".to_owned(),
+            lacks => lacks.join(", "),
         };
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
         if let Some(version) = slow_mesa(&d.driver) {
@@ -58,6 +53,16 @@ pub fn run(args: DevicesArgs, console: Console) -> Result<()> {
     }
     text += if taken.is_some() { "* selected\n" } else { "no device can be used\n" };
     console.print(&text)
+}
+
+/// Features that a device lacks: those without which it can't be used, else those that some methods need.
+fn lacks(device: &gpu::DeviceInfo) -> Vec<String> {
+    let methods = methods::without_subgroups(device);
+    if !device.lacks.is_empty() || methods.is_empty() {
+        return device.lacks.clone();
+    }
+    let methods = methods.join(", ");
+    vec![format!("subgroups of 8 to 32 invocations (needed by {methods}, and by soft methods with solid points)")]
 }
 
 #[cfg(test)]

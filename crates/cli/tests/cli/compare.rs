@@ -92,6 +92,7 @@ fn incomparable_files_are_refused() {
     assert_refused(&folder, &limit("nonsense=1"), 2, &["unknown metric", "rmse"]);
     let below = ["compare", "a.png", "a.png", "--fail-below", "nonsense=1"];
     assert_refused(&folder, &below, 2, &["--fail-below nonsense: unknown metric", "flip"]);
+    assert_refused(&folder, &["compare", "a.png", "a.png", "--anyway"], 2, &["--anyway", "profiles"]);
     let slower = ["compare", "a.png", "a.png", "--fail-slower", "1.5"];
     assert_refused(&folder, &slower, 2, &["pictures have no passes"]);
     assert_refused(&folder, &limit("rmse"), 2, &["METRIC=VALUE"]);
@@ -224,6 +225,46 @@ fn a_single_frame_tells_no_noise() {
             let args = ["compare", "a.json", b, "--fail-slower", limit];
             assert_refused(&folder, &args, 2, &["no noise estimate", "5 frames", counts]);
         }
+    }
+}
+
+#[test]
+fn profiles_of_different_work_are_not_compared_unless_asked_for() {
+    let folder = folder();
+    let write = |name: &str, points: u64, pixels: u64, method: &str, device: &str| {
+        let frame = json!({ "gpu_ms": 4, "wall_ms": 5, "passes": [] });
+        let scene = json!({ "points": points, "pixels": pixels, "fragments": 0 });
+        let mut profile = json!({ "version": 1, "device": { "name": device }, "scene": scene, "frames": [frame] });
+        if !method.is_empty() {
+            profile["method"] = method.into();
+        }
+        fs::write(inside(&folder, name), profile.to_string()).unwrap();
+    };
+    write("a.json", 500, 307_200, "abuffer", "llvmpipe");
+    write("same.json", 500, 307_200, "abuffer", "llvmpipe");
+    write("points.json", 20, 307_200, "abuffer", "llvmpipe");
+    write("pixels.json", 500, 1_228_800, "abuffer", "llvmpipe");
+    write("method.json", 500, 307_200, "linked-list", "llvmpipe");
+    write("device.json", 500, 307_200, "abuffer", "another");
+    write("all.json", 20, 4, "peel", "another");
+    write("old.json", 500, 307_200, "", "llvmpipe");
+    for (other, says) in [
+        ("points.json", "points 500 and 20;"),
+        ("pixels.json", "pixels 307200 and 1228800;"),
+        ("method.json", "method abuffer and linked-list;"),
+        ("device.json", "device llvmpipe and another;"),
+        ("all.json", "points 500 and 20, pixels 307200 and 4, method abuffer and peel, device llvmpipe and another;"),
+    ] {
+        for more in [&[][..], &["--json"], &["--fail-above", "frame=9"]] {
+            let (status, stdout, stderr) = run(&folder, &[&["compare", "a.json", other], more].concat());
+            let wanted = format!("error: a.json and {other} measure different things: {says} --anyway");
+            assert!(status == 1 && stdout.is_empty() && stderr.starts_with(&wanted), "{stdout}{stderr}");
+        }
+        let (status, stdout, stderr) = run(&folder, &["compare", "a.json", other, "--anyway"]);
+        assert!(status == 0 && stdout.contains("frame") && stderr.is_empty(), "{stderr}");
+    }
+    for other in ["same.json", "old.json"] {
+        assert_eq!(run(&folder, &["compare", "a.json", other]).0, 0, "{other}");
     }
 }
 

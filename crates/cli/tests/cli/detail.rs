@@ -5,7 +5,8 @@ use std::fs;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::{assert_refused, done, folder, has_device, inside, run, write_cloud};
+use crate::gaussians::write_splats;
+use crate::{assert_refused, builtin, done, folder, has_device, inside, run, write_cloud};
 
 /// A sphere's points in a store whose nodes have a thousand of them, with radii.
 fn store(folder: &TempDir) {
@@ -61,6 +62,34 @@ fn pictures_do_with_fewer_points_and_say_so() {
     for name in ["coarse.exr", "few.exr"] {
         let share = covered(name) / covered("all.exr");
         assert!((0.95..1.2).contains(&share), "{name}: {share}");
+    }
+}
+
+#[test]
+fn no_more_points_are_drawn_than_allowed_of_any_kind_of_cloud() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    store(&folder);
+    let splats = write_splats(&folder);
+    // Clouds without levels: a table, one that the program makes, Gaussians, and the pixels of a picture.
+    done(&folder, &["render", "sphere.xyz", "-o", "photo.png", "--size", "80x60"]);
+    let garden = builtin(&folder, "garden", &["points=3000"]);
+    for cloud in ["sphere.xyz", &garden, &splats, "photo.png", "sphere/"] {
+        for most in [1u64, 7, 100, 2500] {
+            let limit = most.to_string();
+            let fixed = ["profile", cloud, "--json", "--frames", "1", "--size", "64x48", "--set", "shading.model=none"];
+            let args = [&fixed[..], &["--max-points", &limit]].concat();
+            let (status, json, stderr) = run(&folder, &args);
+            if cloud == "sphere/" && most < 1000 {
+                assert!(status != 0 && stderr.contains("the coarsest level alone has"), "{stderr}");
+                continue;
+            }
+            let profile: Value = serde_json::from_str(&json).unwrap_or_else(|error| panic!("{error}: {stderr}"));
+            let drawn = profile["scene"]["points"].as_u64().unwrap();
+            assert!(drawn <= most && (drawn > 0 || most < 100), "{cloud}: {drawn} of {most}");
+        }
     }
 }
 

@@ -22,7 +22,7 @@ fn read(folder: &TempDir, name: &str) -> Value {
 /// Asserts the shape of a profile and what must hold between its figures.
 #[track_caller]
 fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
-    assert_eq!(keys(profile), ["version", "device", "scene", "memory", "host", "frames"]);
+    assert_eq!(keys(profile), ["version", "device", "method", "scene", "memory", "host", "frames"]);
     assert_eq!(profile["version"], 1);
     let device = &profile["device"];
     assert_eq!(keys(device), ["name", "driver", "timestamp_period_ns"]);
@@ -30,8 +30,12 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
     assert!(device["timestamp_period_ns"].as_f64().unwrap() > 0.0);
 
     let scene = &profile["scene"];
-    assert_eq!(keys(scene), ["points", "pixels", "fragments", "max_list", "list_histogram"]);
+    assert_eq!(
+        keys(scene),
+        ["points", "pixels", "fragments", "max_list", "list_histogram", "nodes_read", "bytes_read"]
+    );
     assert_eq!(scene["pixels"], pixels);
+    assert_eq!([&scene["nodes_read"], &scene["bytes_read"]], [0, 0], "the cloud is in memory");
     assert!(scene["points"].as_u64().unwrap() > 0);
     let histogram: Vec<[u64; 2]> = serde_json::from_value(scene["list_histogram"].clone()).unwrap();
     assert!(histogram.windows(2).all(|pair| pair[0][0] < pair[1][0]), "ascending: {histogram:?}");
@@ -43,8 +47,9 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
     assert_eq!(histogram.last().unwrap()[0], scene["max_list"].as_u64().unwrap());
 
     let memory = &profile["memory"];
-    assert_eq!(keys(memory), ["peak_device_bytes", "fragment_bytes", "bands"]);
+    assert_eq!(keys(memory), ["peak_device_bytes", "peak_host_bytes", "fragment_bytes", "bands"]);
     let bytes = |key: &str| memory[key].as_u64().unwrap();
+    assert!(memory["peak_host_bytes"].is_null() || bytes("peak_host_bytes") > 1 << 20);
     assert!(bytes("peak_device_bytes") > bytes("fragment_bytes") && bytes("bands") >= 1);
 
     let host = profile["host"].as_array().unwrap();
@@ -357,6 +362,44 @@ fn the_plan_as_text_has_a_line_for_each_pass() {
 }
 
 #[test]
+fn what_is_read_of_a_store_is_in_the_profile() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let lines: String = (0..20_000).map(|i| format!("{} {} {}\n", i % 100, i / 100, i % 7)).collect();
+    fs::write(inside(&folder, "a.xyz"), lines).unwrap();
+    done(&folder, &["prepare", "a.xyz", "-o", "a/", "--node-points", "1000"]);
+    let reads = |more: &[&str]| {
+        let args = [
+            &[
+                "profile",
+                "a/",
+                "--json",
+                "--frames",
+                "2",
+                "--size",
+                "32x24",
+                "--method",
+                "circles",
+                "--set",
+                "shading.model=none",
+            ],
+            more,
+        ]
+        .concat();
+        let scene = parsed(&done(&folder, &args))["scene"].clone();
+        ["nodes_read", "bytes_read"].map(|key| scene[key].as_u64().unwrap())
+    };
+    let [nodes, bytes] = reads(&["--host-memory", "1MiB"]);
+    // 20,000 points in nodes of 1000 at most, 15 bytes of color and place for each before they are packed.
+    assert!(nodes >= 20 && bytes >= 20_000, "{nodes} nodes, {bytes} bytes");
+    let [some, fewer] = reads(&["--host-memory", "1MiB", "--max-points", "5000"]);
+    assert!(some > 0 && some < nodes && fewer < bytes, "{some} of {nodes} nodes, {fewer} of {bytes} bytes");
+    assert_eq!(reads(&[]), [0, 0], "all of it fits into memory");
+}
+
+#[test]
 fn devices_are_listed_and_one_is_taken() {
     if !has_device() {
         return;
@@ -375,6 +418,11 @@ fn devices_are_listed_and_one_is_taken() {
     let taken: Vec<_> = list.iter().filter(|device| device["taken"] == true).collect();
     assert!(taken.len() == 1 && taken[0]["lacks"].as_array().unwrap().is_empty(), "{json}");
     let (_, text, _) = run(&folder, &["devices"]);
+    for device in list {
+        let lacks: Vec<&str> = device["lacks"].as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect();
+        let told = if lacks.is_empty() { "nothing".to_owned() } else { lacks.join(", ") };
+        assert!(text.lines().any(|line| line.ends_with(&format!("; lacks {told}"))), "{told}: {text}");
+    }
     assert!(list.iter().all(|device| text.contains(device["name"].as_str().unwrap())), "{text}");
     let starred: Vec<_> = text.lines().filter(|line| line.starts_with("* ") && !line.contains("selected")).collect();
     assert!(starred.len() == 1 && starred[0].contains(taken[0]["name"].as_str().unwrap()), "{text}");

@@ -11,7 +11,9 @@ use crate::passes::raster::Walker;
 pub struct Facts {
     /// Points of the scene, without those that [`Frame::detail`](super::Frame::detail) leaves out.
     pub points: u64,
-    /// Gaussians among them.
+    /// Points in the picture: at most as many as a limit of them allows. Without one, `points`.
+    pub shown: u64,
+    /// Gaussians among `points`.
     pub gaussians: u64,
     /// Splats whose rectangle touches the image (summed over windows; solid plus soft points, if a method separates
     /// them).

@@ -105,6 +105,15 @@ pub struct Stored {
     pub has_gaussians: bool,
 }
 
+/// Nodes that were read, each as often as it was, and their bytes in the files.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Reads {
+    /// Number of nodes.
+    pub nodes: u64,
+    /// Bytes in the files.
+    pub bytes: u64,
+}
+
 /// The nodes of all clouds.
 #[derive(Debug)]
 struct Nodes {
@@ -119,7 +128,8 @@ struct Nodes {
     /// Cloud and node of each block.
     places: Vec<[u32; 2]>,
     cache: Cache<Points>,
-    /// Bytes that were read of nodes so far.
+    /// Nodes that were read so far, each as often as it was, and their bytes.
+    nodes_read: AtomicU64,
     bytes_read: AtomicU64,
     /// Places of points that stand for all, and how many each stands for.
     sampled: (Vec<DVec3>, u64),
@@ -188,6 +198,7 @@ impl Stored {
             blocks,
             places,
             cache,
+            nodes_read: AtomicU64::new(0),
             bytes_read: AtomicU64::new(0),
             sampled,
             most,
@@ -285,10 +296,17 @@ impl Stored {
         self.nodes.cache.clear();
     }
 
+    /// Returns what was read of nodes so far.
+    pub fn reads(&self) -> Reads {
+        let [nodes, bytes] =
+            [&self.nodes.nodes_read, &self.nodes.bytes_read].map(|count| count.load(Ordering::Relaxed));
+        Reads { nodes, bytes }
+    }
+
     /// Returns bytes that were read of nodes so far, and those of all nodes.
     pub fn bytes_read(&self) -> [u64; 2] {
         let nodes = self.nodes.clouds.iter().flat_map(|cloud| cloud.store.nodes());
-        [self.nodes.bytes_read.load(Ordering::Relaxed), nodes.map(|node| node.bytes).sum()]
+        [self.reads().bytes, nodes.map(|node| node.bytes).sum()]
     }
 }
 
@@ -312,6 +330,7 @@ impl Nodes {
         let [cloud, node] = self.places[block].map(|number| number as usize);
         let cloud = &self.clouds[cloud];
         let points = cloud.points(&self.scene, &self.clips, node).map_err(|error| Failure::Store(Arc::new(error)))?;
+        self.nodes_read.fetch_add(1, Ordering::Relaxed);
         self.bytes_read.fetch_add(cloud.store.nodes()[node].bytes, Ordering::Relaxed);
         Ok(points)
     }

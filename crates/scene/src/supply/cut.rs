@@ -59,6 +59,8 @@ pub struct Cut {
     pub nowhere: DVec3,
     /// Factor by which radii grow, at most.
     pub most_growth: f32,
+    /// Points in the picture, where they were counted for a limit.
+    shown: Option<u64>,
 }
 
 impl Debug for Cut {
@@ -110,14 +112,13 @@ impl Cut {
     ) -> Result<Self, Failure> {
         let random = Random { scale: picture.scale, spacing, seed: picture.seed };
         let levels = levels_px(whole.blocks(), &picture.scale);
-        let px = match limits.max_points {
-            None => limits.spacing_px,
-            Some(most) => {
-                let counts = counts(&*whole, &levels, &random, picture, progress)?;
-                allowed_px(&counts, most)?.max(limits.spacing_px)
-            }
+        let Some(most) = limits.max_points else {
+            return Ok(Self::at(whole, &levels, random, limits.spacing_px, picture.nowhere));
         };
-        Ok(Self::at(whole, &levels, random, px, picture.nowhere))
+        let counts = counts(&*whole, &levels, &random, picture, progress)?;
+        let px = allowed_px(&counts, most)?.max(limits.spacing_px);
+        let shown = Some(counts[bin(px)..].iter().sum());
+        Ok(Self { shown, ..Self::at(whole, &levels, random, px, picture.nowhere) })
     }
 
     /// The cut at so many pixels.
@@ -147,12 +148,17 @@ impl Cut {
         };
         let (blocks, growths): (Vec<Block>, Vec<f32>) = parallel::gather(numbers.len(), cut).into_iter().unzip();
         let most_growth = growths.into_iter().fold(1.0, f32::max);
-        Self { tree, kept, blocks, numbers, random, is_random, px, nowhere, most_growth, whole }
+        Self { tree, kept, blocks, numbers, random, is_random, px, nowhere, most_growth, shown: None, whole }
     }
 
     /// Returns the number of points in all blocks; of clouds without levels about as many.
     pub fn points(&self) -> u64 {
         self.blocks.iter().map(|block| block.points).sum()
+    }
+
+    /// Returns the number of points in the picture, if a limit had them counted, else [`Self::points`].
+    pub fn shown(&self) -> u64 {
+        self.shown.unwrap_or_else(|| self.points())
     }
 
     fn keeps(&self, position: DVec3, number: u32) -> bool {

@@ -95,6 +95,7 @@ impl Report {
             }
             begin += ms(frame.wall);
         }
+        profile::sort_events(&mut events);
         for work in self.frames.first().map(|frame| frame.work.as_slice()).unwrap_or_default() {
             let name = format!("rank {} ({})", work.rank, work.host);
             events.push(json!({"name": "thread_name", "ph": "M", "pid": 0, "tid": work.rank, "args": {"name": name}}));

@@ -183,7 +183,7 @@ impl Renderer {
 
 /// Returns the counts of a frame of which no window was rendered yet.
 pub(super) fn first_counts(cloud: &DeviceCloud) -> Facts {
-    Facts { points: cloud.drawn(), gaussians: cloud.gaussian_count(), ..Facts::default() }
+    Facts { points: cloud.drawn(), shown: cloud.shown(), gaussians: cloud.gaussian_count(), ..Facts::default() }
 }
 
 /// Returns `true` for the window that is the whole image.

@@ -96,7 +96,8 @@ fn nodes_are_left_out_where_those_above_are_fine_enough() {
     assert_eq!(coarsest.points(), 3);
     // By the number of points: 5, 4 and 3 are levels, 2 is none.
     for (most, count) in [(9, 5), (5, 5), (4, 4), (3, 3)] {
-        assert_eq!(cut(0.0, Some(most)).unwrap().points(), count, "{most}");
+        let cut = cut(0.0, Some(most)).unwrap();
+        assert_eq!((cut.points(), cut.shown()), (count, count), "{most}");
     }
     assert_eq!(cut(10.1, Some(9)).unwrap().points(), 3, "both limits hold");
     assert!(matches!(cut(0.0, Some(2)), Err(Failure::Coarsest { allowed: 2, points: 3 })));
@@ -146,7 +147,9 @@ fn points_without_levels_come_in_a_random_order() {
     // The number of points in the picture is at most that asked for, and not much below: bins are 2^-12 wide.
     let shown = |points: &Points| points.positions.iter().filter(|p| shows(**p)).count() as u64;
     for most in [1, 10, 100, 500, 721] {
-        let found = shown(&taken(&cut(0.0, Some(most), 7)));
+        let cut = cut(0.0, Some(most), 7);
+        let found = shown(&taken(&cut));
+        assert_eq!(cut.shown(), found, "the number that is told");
         assert!(found <= most && found + 2 + most / 100 >= most, "{found} of {most}");
     }
     assert_eq!(taken(&cut(0.0, Some(5000), 7)).len(), 40_000);

@@ -238,6 +238,11 @@ impl DeviceCloud {
         self.cut_in_force().map_or(self.total, Cut::points)
     }
 
+    /// Returns the number of points that are drawn in the picture, where a limit had them counted, else of all.
+    pub fn shown(&self) -> u64 {
+        self.cut_in_force().map_or(self.total, Cut::shown)
+    }
+
     /// Returns `true` if the points were dealt.
     pub fn is_dealt(&self) -> bool {
         self.host.is_some()
