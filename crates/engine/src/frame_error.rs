@@ -14,6 +14,18 @@ pub enum Error {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
+    /// The host's memory can't hold the image.
+    #[error(
+        "an image of {width} × {height} pixels needs {} of memory, which are not free; use a smaller --size", ByteSize(*.bytes)
+    )]
+    HostMemory {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Bytes that it needs.
+        bytes: u64,
+    },
     /// A single pixel has more fragments than fit; reported for the pixel with most of those rendered together.
     #[error(
         "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}; use --memory-budget \

@@ -23,6 +23,7 @@ pub fn one(job: &RenderJob, output: &Path, progress: &Bar) -> Result<Option<Prof
         deep::run(format, &job.args.device, prepared, output, progress)?;
         return Ok(None);
     }
+    output::check_memory(output, prepared.frame().size)?;
     legend::check(&prepared, progress)?;
     let session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
     let mut profile = session.profile();
@@ -40,6 +41,7 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar) -> Result<Profi
     let count = opened.sources.clouds().len();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
     let mut whole = opened.clone().prepare(progress, progress)?;
+    output::check_memory(&pattern.file(count), whole.frame().size)?;
     legend::check(&whole, progress)?;
     let (mut compilations, mut found) = (Vec::new(), None);
     if whole.see_through().is_some() {

@@ -69,6 +69,7 @@ pub fn run(
 ) -> Result<ExitCode, Error> {
     let console = progress.console;
     let (prepared, cameras) = along.prepare(job.request.clone(), progress)?;
+    output::check_memory(&pattern.file(0), prepared.frame().size)?;
     legend::check(&prepared, progress)?;
     let mut session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
     session.describe(progress);

@@ -50,6 +50,57 @@ fn an_unknown_device_is_an_error_that_lists_those_present() {
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
 }
 
+#[test]
+fn a_damaged_manifest_of_a_driver_is_no_device_and_says_what_to_check() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_cloud(&inside(&folder, "a.ply"));
+    fs::write(inside(&folder, "bad.json"), "{bad").unwrap();
+    fs::write(inside(&folder, "list.json"), "[1, 2").unwrap();
+    for (manifest, args) in [
+        ("bad.json", &["devices"][..]),
+        ("list.json", &["devices", "--json"]),
+        ("bad.json", &["render", "a.ply", "-o", "a.png"]),
+    ] {
+        let mut command = crate::pellucid(&folder, args);
+        command.env("VK_DRIVER_FILES", inside(&folder, manifest)).env_remove("VK_ICD_FILENAMES");
+        let output = command.output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), stderr.lines().count()), (Some(1), 1), "{stderr}");
+        assert!(stderr.starts_with("error: no Vulkan device") && stderr.contains("VK_DRIVER_FILES"), "{stderr}");
+        assert!(!stderr.contains("fewer points"), "{stderr}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_too_large_for_memory_is_an_error_that_says_what_it_needs() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_cloud(&inside(&folder, "a.ply"));
+    // 16384² pixels of 20 bytes, and 24 more for a PNG or 52 for an EXR; from a limit below the image alone to one
+    // that holds it, but not what its file is made of. Device memory of a driver for CPUs counts too.
+    for (limit_kib, file, bytes) in
+        [(3_000_000, "a.png", "11.0 GiB"), (8_000_000, "a.png", "11.0 GiB"), (12_000_000, "a.exr", "18.0 GiB")]
+    {
+        let program = assert_cmd::cargo::cargo_bin("pellucid");
+        let command =
+            format!("ulimit -v {limit_kib}; exec \"$0\" render a.ply --size 16384x16384 --method points -o {file}");
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", &command]).arg(program).current_dir(&folder);
+        let output = shell.env("PELLUCID_CACHE_DIR", pellucid_testing::shader_cache()).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), stderr.lines().count()), (Some(1), 1), "{stderr}");
+        let wanted = format!("error: {file}: a picture of 16384 × 16384 pixels needs {bytes} of memory");
+        assert!(stderr.starts_with(&wanted) && stderr.contains("--size"), "{stderr}");
+        assert!(!inside(&folder, file).exists());
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_that_takes_no_file_is_an_error() {

@@ -18,6 +18,7 @@ pub use png::{raster, to_byte};
 pub use read::read_image;
 pub use tag::metadata;
 
+use crate::has_memory;
 use pellucid_core::atomic::remedy;
 use pellucid_core::color;
 use pellucid_core::color::ColorSpace;
@@ -51,6 +52,12 @@ pub enum Error {
         path = path.display()
     )]
     NoRoom { path: PathBuf, bytes: ByteSize, free: ByteSize },
+    /// Memory can't hold an image, or what its file is made of.
+    #[error(
+        "{path}: a picture of {width} × {height} pixels needs {bytes} of memory, which are not free; use a smaller --size",
+        path = path.display()
+    )]
+    NoMemory { path: PathBuf, width: u32, height: u32, bytes: ByteSize },
     /// The file could not be opened or read.
     #[error("{path}: can't be read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
@@ -131,6 +138,18 @@ impl Format {
             _ => Err(Error::UnknownExtension(path.to_owned())),
         }
     }
+
+    /// Bytes of memory for each pixel that writing takes beside the image, with so many channels.
+    fn pixel_bytes(self, channels: u64) -> u64 {
+        // The composed color.
+        let composed = 3 * 4;
+        match self {
+            // 8-bit values in a vector that grows, and the compressed file.
+            Self::Png => composed + 2 * 4 + 4,
+            // Each channel by itself, and the compressed file.
+            Self::Exr => composed + 2 * 4 * channels,
+        }
+    }
 }
 
 /// Refuses an image file that could not be written in the end: call it before rendering.
@@ -140,6 +159,26 @@ impl Format {
 pub fn check_target(path: &Path) -> Result<(), Error> {
     Format::from_extension(path)?;
     check_folder(path)
+}
+
+/// Refuses an image that memory could not hold, or not be written from: call it before rendering.
+///
+/// # Errors
+/// [`Error::NoMemory`], and an extension other than `.png` and `.exr`.
+pub fn check_memory(path: &Path, size: [u32; 2]) -> Result<(), Error> {
+    // Color, A and Z.
+    const IMAGE_BYTES: u64 = 5 * 4;
+    let format = Format::from_extension(path)?;
+    check_bytes(path, size, IMAGE_BYTES + format.pixel_bytes(5))
+}
+
+fn check_bytes(path: &Path, size: [u32; 2], each: u64) -> Result<(), Error> {
+    let [width, height] = size;
+    let bytes = each * u64::from(width) * u64::from(height);
+    match has_memory(bytes) {
+        true => Ok(()),
+        false => Err(Error::NoMemory { path: path.to_owned(), width, height, bytes: ByteSize(bytes) }),
+    }
 }
 
 /// Writes an image as PNG or EXR, by the extension; the same image and options give the same bytes.
@@ -152,6 +191,13 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 /// Returns the errors of [`check_target`], and errors of the system while writing; the earlier file then remains.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = Format::from_extension(path)?;
+    let of = |is_there: bool, channels| if is_there { channels } else { 0 };
+    let more = of(image.depth_median.is_some(), 1)
+        + of(image.depth_mean.is_some(), 1)
+        + of(image.fragments.is_some(), 1)
+        + of(image.layers.is_some(), 1)
+        + of(image.stderr.is_some(), 3);
+    check_bytes(path, [image.width, image.height], format.pixel_bytes(5 + more))?;
     write_atomically(path, |file| match format {
         Format::Png => png::encode(file, &raster(image, options), &options.metadata),
         Format::Exr => exr::encode(file, image, options),

@@ -19,6 +19,7 @@ use super::edl::{self, EyeDomeLighting};
 use super::engine::{Fragments, Switches};
 use super::{FrameProfile, shadows, spbr, stochastic};
 use crate::cloud::shadow_texture::Casting;
+use crate::io::has_memory;
 use crate::methods::prelude::*;
 use crate::passes::foresight::Foresight;
 
@@ -155,6 +156,7 @@ impl Renderer {
     ) -> Result<Rendered, Error> {
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
+        self.check_memory(engine, frame)?;
         let begun = self.begin(engine, cloud, frame, timeline, false)?;
         let mut image = self.begin_image(engine, frame);
         let learns = self.learns(frame, cloud, &begun.windows, timeline);
@@ -233,6 +235,25 @@ impl Renderer {
         self.target.keeps_colors =
             !self.host_colors && !frame.shading.edl.edl && !frame.depths && !brightness::is_applied(&frame.method);
         blank(self.spare.take(), engine, frame)
+    }
+
+    /// Refuses an image that the host's memory can't hold.
+    fn check_memory(&self, engine: &dyn Engine, frame: &Frame) -> Result<(), Error> {
+        let [width, height] = frame.size;
+        if self.spare.as_ref().is_some_and(|spare| (spare.width, spare.height) == (width, height)) {
+            return Ok(());
+        }
+        let channels = engine.channels();
+        let is_counted = frame.fragments && channels.fragments != Fragments::Never;
+        let has_spread = engine.samples(frame).is_some() && frame.wants_spread();
+        // Color, A and Z; then the counts, the errors and the other depths.
+        let words = 5
+            + u64::from(is_counted)
+            + u64::from(frame.fragments && channels.layers)
+            + if has_spread { 3 } else { 0 }
+            + if frame.depths { 2 } else { 0 };
+        let bytes = 4 * words * u64::from(width) * u64::from(height);
+        if has_memory(bytes) { Ok(()) } else { Err(Error::HostMemory { width, height, bytes }) }
     }
 
     /// Completes the counts of a frame, and sums up its times.
