@@ -154,9 +154,7 @@ impl Both<'_> {
             _ if has(|lens| lens.ftheta_p0.is_some()) => "ftheta_p0".to_owned(),
             _ => return Ok(()),
         };
-        Err(format!(
-            "{other} is no perspective camera, and pictures here are; PINHOLE, OPENCV and COLMAP's other models are read"
-        ))
+        Err(format!("{other}: only perspective cameras are read here, PINHOLE, OPENCV and COLMAP's other models"))
     }
 
     fn is_distorted(&self) -> bool {

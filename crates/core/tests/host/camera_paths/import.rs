@@ -112,10 +112,10 @@ fn cameras_that_draw_no_perspective_are_refused_by_name() {
     let base = r#""fl_x": 100, "fl_y": 100, "w": 200, "h": 100"#;
     for model in ["EQUIRECTANGULAR", "ORTHOPHOTO", "VR180_L", "VR180_R", "OMNIDIRECTIONALSTEREO_L", "equirectangular"] {
         let path = transforms(&folder, &format!("{base}, \"camera_model\": \"{model}\""));
-        refused(&path, &format!("frames[0]: camera_model {} is no perspective camera", model.to_uppercase()));
+        refused(&path, &format!("frames[0]: camera_model {}: only perspective cameras", model.to_uppercase()));
     }
-    refused(&transforms(&folder, &format!("{base}, \"latlong\": true")), "latlong is no perspective camera");
-    refused(&transforms(&folder, &format!("{base}, \"ftheta_p0\": 0.1")), "ftheta_p0 is no perspective camera");
+    refused(&transforms(&folder, &format!("{base}, \"latlong\": true")), "latlong: only perspective cameras");
+    refused(&transforms(&folder, &format!("{base}, \"ftheta_p0\": 0.1")), "ftheta_p0: only perspective cameras");
     // One of the frames.
     let text = format!("{{{base}, {FRAMES}}}").replace("\"a.png\"", "\"a.png\", \"camera_model\": \"VR180_R\"");
     let path = folder.path().join("one.json");
