@@ -18,9 +18,9 @@ pub fn profile(input: &[u8]) {
     with_file("a.json", a, |a| {
         with_file("b.json", b, |b| {
             for json in [false, true] {
-                let _ = compare_profiles::run(a, b, json, &[], &[], Console);
-                let _ = compare_profiles::run(a, b, json, &limits, &[], Console);
-                let _ = compare_profiles::run(a, b, json, &[], &slower, Console);
+                let _ = compare_profiles::run([a, b], (json, true), &[], &[], Console);
+                let _ = compare_profiles::run([a, b], (json, true), &limits, &[], Console);
+                let _ = compare_profiles::run([a, b], (json, true), &[], &slower, Console);
             }
         });
     });
