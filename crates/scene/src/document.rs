@@ -1,5 +1,7 @@
 //! A scene as its keys and values: read from a file, changed key by key, written again.
 
+mod compared;
+
 use std::path::{Path, PathBuf};
 
 use super::error::{Error, Place};

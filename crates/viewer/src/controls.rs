@@ -5,14 +5,18 @@ mod beside;
 mod classes;
 mod clips;
 mod clouds;
+mod opacities;
 
-pub use beside::{light_changes, method_changes};
-pub use classes::{ClassKey, ClassLook, class_changes, class_defaults, class_look};
+pub use beside::{light_changes, method_changes, rival};
+pub use classes::{ClassKey, ClassLook, class_changes, class_look, class_resets};
 pub use clips::{AXES, NewClip, clip_changes, decimals, new_clip, short_number, without_clip};
-pub use clouds::{cloud, opacities, opacity};
+pub use clouds::{cloud, opacity};
+pub use opacities::{Ratios, mean_opacity, opacity_keys};
 
 use pellucid_engine::methods::soft::SoftModel;
-use pellucid_scene::{Density, Key, Light, Method, Range, Setting, Shadows, Slider, Soft, ValueKind, Word, rounded};
+use pellucid_scene::{
+    Density, Key, Light, Method, Order, Range, Setting, Shadows, Slider, Soft, ValueKind, Word, rounded,
+};
 
 /// The smallest opacity of a slider above 0.
 pub const FAINTEST: f64 = 1e-3;
@@ -137,7 +141,26 @@ pub fn method(method: &Method, key: &str, extent: ControlExtent) -> Option<KeyCo
             key.start = 0.5 + 0.5 * f64::from(soft.threshold);
             entry(&key, extent)
         }
-        _ => shortened(&key, extent),
+        (name, _) => {
+            let mut entry = shortened(&key, extent)?;
+            if let Presence::Optional { without, .. } = &mut entry.presence {
+                match (name, method) {
+                    ("order", _) => order(method).clone_into(without),
+                    ("bias", Method::Moments(moments)) => *without = format!("{:e}", rounded(moments.bias())),
+                    _ => {}
+                }
+            }
+            Some(entry)
+        }
+    }
+}
+
+/// The word for the order of Gaussians in force.
+fn order(method: &Method) -> &'static str {
+    match method.order() {
+        Order::Center => "center",
+        Order::Distance => "distance",
+        Order::Pixel => "pixel",
     }
 }
 

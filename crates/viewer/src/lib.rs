@@ -3,6 +3,7 @@
 //! - `navigate`: the camera and its movements; `pointer`: the actions of pointer and keys.
 //! - `model`: the scene being edited ([`Document`](pellucid_scene::Document)), the last picture, and when the
 //!   next one is due.
+//! - `history`: steps that can be undone.
 //! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
 //! - `messages`: the requests of the window, and the replies of the worker.
 //! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores, and the
@@ -25,6 +26,7 @@ mod error;
 mod graphics;
 mod handles;
 mod hints;
+mod history;
 mod legend;
 mod loss;
 pub mod messages;

@@ -11,11 +11,13 @@ use pellucid_core::progress::Progress;
 
 use super::counts::abbreviated;
 use super::dialog::Dialog;
+use super::history::History;
 use super::messages::{News, Task, WindowPicture};
 use super::navigate::{self, Navigator, Pose};
 use super::route::Route;
 use super::statistics::Statistics;
 use super::times::Times;
+use crate::controls::Ratios;
 use crate::{Error, Result};
 use pellucid_core::camera::Projection;
 use pellucid_core::camera::import::CameraSource;
@@ -25,6 +27,7 @@ mod due;
 mod edit;
 mod files;
 mod path;
+mod undo;
 
 pub use due::STILL;
 pub use files::Saved;
@@ -106,6 +109,11 @@ pub struct Model {
     pub name: String,
     document: Document,
     scene: Arc<Scene>,
+    /// The scene as it was opened.
+    opened: (Document, Arc<Scene>),
+    history: History,
+    /// Ratios of opacities that one slider changes.
+    ratios: Ratios,
     navigator: Option<Navigator>,
     pose: Pose,
     /// True if the next pose the scene gives becomes orthographic.
@@ -161,8 +169,11 @@ impl Model {
         let scene = Arc::new(document.scene().map_err(pellucid_engine::Error::from)?);
         Ok(Self {
             name,
+            opened: (document.clone(), scene.clone()),
             document,
             scene,
+            history: History::default(),
+            ratios: Ratios::default(),
             navigator: None,
             pose: if view.is_given() { Pose::View(view) } else { Pose::Scene },
             flatten: false,

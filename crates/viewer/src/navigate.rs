@@ -28,19 +28,17 @@ struct Turntable {
 }
 
 impl Turntable {
-    fn with_vertical(up: UpAxis) -> Self {
-        let vertical = Vertical::from(up);
+    fn with_vertical(vertical: Vertical) -> Self {
         Self { vertical: vertical.up(), front: vertical.front(), side: vertical.right() }
     }
 
-    /// The vertical of the files if the camera is level with it, else +Z (+Y for files whose vertical is +Z) if it is
-    /// with that, else the image's own.
-    fn level_with(camera: &Camera, up: UpAxis) -> Self {
-        let other = if up == UpAxis::Z { UpAxis::Y } else { UpAxis::Z };
+    /// The vertical of the scene if the camera is level with it, else +Z or +Y if it is with that, else the image's own.
+    fn level_with(camera: &Camera, vertical: Vertical) -> Self {
         let level =
             |table: &Self| camera.right.dot(table.vertical).abs() < 1e-6 && camera.up.dot(table.vertical) > -1e-9;
         let own = Self { vertical: camera.up, front: -camera.forward, side: camera.right };
-        [Self::with_vertical(up), Self::with_vertical(other)].into_iter().find(level).unwrap_or(own)
+        let verticals = [vertical, UpAxis::Z.into(), UpAxis::Y.into()];
+        verticals.map(Self::with_vertical).into_iter().find(level).unwrap_or(own)
     }
 }
 
@@ -64,6 +62,8 @@ pub struct CameraSubject {
     pub radius: f64,
     /// The vertical of the files.
     pub up: UpAxis,
+    /// The vertical of the scene: that of its camera's `up` if it gives one, else that of the files.
+    pub vertical: Vertical,
 }
 
 impl CameraSubject {
@@ -95,7 +95,7 @@ impl Navigator {
     /// The navigator that starts from a camera of the scene. Its pivot lies in the middle of the picture, at the
     /// distance of the scene's center.
     pub fn new(camera: &Camera, fov_y: Option<f64>, subject: CameraSubject) -> Self {
-        let table = Turntable::level_with(camera, subject.up);
+        let table = Turntable::level_with(camera, subject.vertical);
         let (vertical, forward) = (table.vertical, camera.forward);
         let sine = -forward.dot(vertical);
         let elevation = sine.atan2((forward + sine * vertical).length());
@@ -161,8 +161,11 @@ impl Navigator {
     /// The settings of a scene file for this camera; `near` and `far` are those of the scene.
     pub fn settings(&self, near: Option<f64>, far: Option<f64>) -> CameraSettings {
         let [_, up, forward] = self.axes();
-        // Cameras of one vertical keep their horizon level when a path leads from one to the other.
-        let up = if self.elevation.cos() > LEVEL { self.table.vertical } else { up };
+        // Cameras of one vertical keep their horizon level when a path leads from one to the other. In straight views
+        // the vertical turns nothing, since it is along the view, but makes itself the axis nearest to `up`: views of a
+        // saved scene refer to that.
+        let vertical = self.table.vertical;
+        let up = if self.elevation.cos() > LEVEL { vertical } else { up + 2.0 * vertical };
         let eye = self.eye - forward * self.retreat();
         let target = eye + forward * self.depth(self.pivot, eye);
         CameraSettings {

@@ -32,6 +32,8 @@ const KEYS: &[(&str, &str)] = &[
     ("H", "show or hide the panel"),
     ("F11", "switch full screen on or off"),
     ("F12", "save the picture and its scene"),
+    ("Ctrl + Z", "undo the last change of the scene or the path"),
+    ("Ctrl + Shift + Z, Ctrl + Y", "do it again"),
     ("Ctrl + O", "open a scene, clouds or a camera path"),
     ("Ctrl + S, Ctrl + Shift + S", "save the scene, save it as…"),
     ("Ctrl + K", "save the path"),

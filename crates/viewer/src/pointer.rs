@@ -60,9 +60,25 @@ fn drag(response: &Response, model: &mut Model, scale: f64) {
     });
 }
 
+/// Lets the changes between a press and its release be one step of undo: a drag, or a key that is held.
+fn divide_steps(ctx: &Context, model: &mut Model) {
+    let (begins, goes_on) = ctx.input(|input| {
+        let is_press = |event: &Event| matches!(event, Event::Key { pressed: true, repeat: false, .. });
+        let is_release = |event: &Event| matches!(event, Event::Key { pressed: false, .. });
+        let (pointer, any) = (&input.pointer, |is: &dyn Fn(&Event) -> bool| input.events.iter().any(is));
+        let is_held = pointer.any_down() || !input.keys_down.is_empty();
+        // What was released in this frame has its last change in it.
+        (pointer.any_pressed() || any(&is_press), is_held || pointer.any_released() || any(&is_release))
+    });
+    if begins || !goes_on {
+        model.end_step();
+    }
+}
+
 /// Handles the keys. Returns true if they ask to close the window.
 pub fn keys(ctx: &Context, model: &mut Model) -> bool {
     note_shortcuts(ctx);
+    divide_steps(ctx, model);
     if ctx.wants_keyboard_input() || model.dialog.is_open() {
         return false;
     }
@@ -75,6 +91,12 @@ pub fn keys(ctx: &Context, model: &mut Model) -> bool {
     }
     if pressed(Modifiers::CTRL, Key::O) && !model.busy {
         model.dialog.open();
+    }
+    if pressed(Modifiers::CTRL | Modifiers::SHIFT, Key::Z) || pressed(Modifiers::CTRL, Key::Y) {
+        model.redo();
+    }
+    if pressed(Modifiers::CTRL, Key::Z) {
+        model.undo();
     }
     path_keys(&pressed, model);
     let close = pressed(Modifiers::CTRL, Key::Q);

@@ -127,6 +127,16 @@ impl Route {
         [first, last + back]
     }
 
+    /// The same path, neither running nor with its motion.
+    pub fn at_rest(&self) -> Self {
+        Self { playing: false, curve: None, ..self.clone() }
+    }
+
+    /// True if keys, times or their order are others than in a path; the selected key and the position don't count.
+    pub fn differs(&self, other: &Self) -> bool {
+        self.path != other.path || self.pace != other.pace || self.rate != other.rate
+    }
+
     /// The path as a file holds it; `size` is that of the pictures if no file said one.
     pub fn path(&self, size: [u32; 2]) -> CameraPath {
         CameraPath { size: self.path.size.or(Some(size)), ..self.path.clone() }

@@ -19,7 +19,7 @@ use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
 use pellucid_scene::legend::Legend;
-use pellucid_scene::{self as scene, CameraSettings, Detail, Input, Method, MethodChoice, Scene};
+use pellucid_scene::{self as scene, Detail, Input, Method, MethodChoice, Scene};
 use pellucid_session::{Assembled, Clouds, FrameRequest, Prepared, Request, Session, Silent, Sources, Uploaded};
 
 /// Points that are this near to others add nothing that is seen, in pixels.
@@ -310,6 +310,7 @@ impl SceneRenderer {
         if changes.any() {
             *thinned = None;
         }
+        subject.vertical = request.scene.camera.vertical(subject.up);
         if changes.radii || changes.unseen {
             subject.radius = session.points().largest_radius();
         }
@@ -332,7 +333,8 @@ impl SceneRenderer {
         sources.complete(scene, progress)?;
         let assembled = Assembled::new(sources, scene, request.wanted, &Silent, progress)?;
         let bounds = assembled.points().bounds().ok_or_else(no_points)?;
-        let subject = CameraSubject { bounds, radius: assembled.points().largest_radius(), up: assembled.up };
+        let (radius, up) = (assembled.points().largest_radius(), assembled.up);
+        let subject = CameraSubject { bounds, radius, up, vertical: scene.camera.vertical(up) };
         let camera = camera(scene, pose, &subject, assembled.points())?;
         progress.set_message("uploading points");
         let uploaded = Uploaded::new(renderer, &assembled, &Detail::default(), false)?;
@@ -443,14 +445,14 @@ fn no_points() -> pellucid_engine::Error {
 }
 
 fn camera(scene: &Scene, pose: Pose, subject: &CameraSubject, points: &Points) -> Result<Camera> {
-    let CameraSubject { bounds, radius, up } = subject;
+    let CameraSubject { bounds, radius, up, .. } = subject;
     let settings = match pose {
         Pose::At(settings) => {
             let found = scene::camera_at(&settings, bounds, *radius);
             return found.ok_or_else(|| scene::Error::Extent { min: bounds.min, max: bounds.max }.into());
         }
         Pose::Scene => scene.camera,
-        Pose::View(view) => CameraSettings { view, eye: None, target: None, up: None, height: None, ..scene.camera },
+        Pose::View(view) => scene.camera.seen_from(view),
     };
     let framed = Scene { camera: settings, clouds: Vec::new(), ..scene.clone() };
     let (camera, _warnings) = scene::camera(&framed, points, *up)?;

@@ -4,6 +4,7 @@
 pub mod display;
 pub mod garden;
 mod panel;
+mod views;
 pub mod window;
 #[cfg(target_os = "linux")]
 pub mod x11;

@@ -38,6 +38,16 @@ pub fn method_changes(method: &Method, key: &str, value: Option<Setting>) -> Vec
     out.into_iter().chain([(format!("method.{key}"), value)]).collect()
 }
 
+/// The key of a method whose value may exclude that of another one.
+pub fn rival(key: &str) -> Option<&'static str> {
+    Some(match key {
+        "softness" => "lambda",
+        "lambda" => "softness",
+        "layout" | "threshold" => "modulation",
+        _ => return None,
+    })
+}
+
 /// The changes that give the scene another light. The radius of a light is an angle or a length, so that it goes if the
 /// light becomes another kind.
 pub fn light_changes(before: Light, light: Light) -> Vec<Change> {

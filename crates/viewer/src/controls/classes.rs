@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use pellucid_scene::{Change, ClassSettings, Selection, Setting};
+use pellucid_scene::{Change, ClassSettings, Selection, Setting, rounded};
 
 /// Settings of a class of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,11 +96,26 @@ fn shown(cloud: usize, entries: &[ClassSettings], code: u8) -> Vec<Change> {
     tidied(cloud, entries, changes)
 }
 
-/// The changes that take out all that was said of this class alone.
-pub fn class_defaults(cloud: usize, entries: &[ClassSettings], code: u8) -> Vec<Change> {
-    let own = entries.iter().enumerate().filter(|(_, entry)| is_own(entry, code));
-    let changes = own.rev().map(|(at, _)| (format!("cloud.{cloud}.class.{at}"), None)).collect();
-    tidied(cloud, entries, changes)
+/// The changes that give this class the look that it has by other entries, of the same cloud as it was opened: all that
+/// was said of this class alone is taken out, and what the others don't say is said again.
+pub fn class_resets(cloud: usize, entries: &[ClassSettings], opened: &[ClassSettings], code: u8) -> Vec<Change> {
+    let (own, others): (Vec<_>, Vec<_>) = entries.iter().enumerate().partition(|(_, entry)| is_own(entry, code));
+    let removed = own.iter().rev().map(|(at, _)| (format!("cloud.{cloud}.class.{at}"), None)).collect();
+    let others: Vec<ClassSettings> = others.into_iter().map(|(_, entry)| entry.clone()).collect();
+    let (wanted, left) = (class_look(opened, code), class_look(&others, code));
+    let at = |name: &str| format!("cloud.{cloud}.class.{}.{name}", others.len());
+    let opacity = wanted.opacity.filter(|_| wanted.opacity != left.opacity).map(|x| Setting::Number(rounded(x)));
+    let color = wanted.color.filter(|_| wanted.color != left.color);
+    let color = color.map(|color| Setting::from(color.to_array().map(rounded)));
+    let visible = (wanted.visible != left.visible).then_some(Setting::Flag(wanted.visible));
+    let given = [("opacity", opacity), ("color", color), ("visible", visible)];
+    let given: Vec<Change> =
+        given.into_iter().filter(|(_, value)| value.is_some()).map(|(name, value)| (at(name), value)).collect();
+    if given.is_empty() {
+        return tidied(cloud, entries, removed);
+    }
+    let id = (at("id"), Some(Setting::Integer(code.into())));
+    removed.into_iter().chain([id]).chain(given).collect()
 }
 
 /// Returns the changes, or the removal of the whole array if they take every entry out.
@@ -142,7 +157,7 @@ mod tests {
         ];
         for text in cases {
             let mut document = document(&text);
-            let other = class_look(&entries(&document), 5);
+            let (opened, other) = (entries(&document), class_look(&entries(&document), 5));
             let keys = [
                 ClassKey::Visible(false),
                 ClassKey::Opacity(0.125),
@@ -156,8 +171,9 @@ mod tests {
                 ClassLook { opacity: Some(0.125), color: Some(Vec3::splat(0.5)), visible: true, is_given: true };
             assert_eq!(class_look(&entries(&document), 6), wanted, "{text}");
             assert_eq!(class_look(&entries(&document), 5), other, "{text}");
-            document.change(&class_defaults(1, &entries(&document), 6)).unwrap();
-            assert_eq!(class_look(&entries(&document), 6), ClassLook { is_given: false, ..other }, "{text}");
+            document.change(&class_resets(1, &entries(&document), &opened, 6)).unwrap();
+            assert_eq!(class_look(&entries(&document), 6), class_look(&opened, 6), "{text}");
+            assert_eq!(class_look(&entries(&document), 5), other, "{text}");
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{ControlExtent, KeyControl, Presence, entry, find};
 use pellucid_scene::prepare::DEFAULT_NEIGHBORS;
-use pellucid_scene::{Change, CloudSettings, Setting};
+use pellucid_scene::{CloudSettings, Setting};
 
 /// The control of a key of a `[[cloud]]`, for keys in the panel. `own_radii`: true if the file has radii, and the K
 /// that it was prepared with.
@@ -18,6 +18,7 @@ pub fn cloud(
     if let Presence::Optional { on, without } = &mut entry.presence {
         match key.name {
             "color" => cloud.coloring.color_by.word().clone_into(without),
+            "radius_cap" => (if prepared.is_some() { "the file's" } else { "4" }).clone_into(without),
             "radius" => (if own_radii { "the file's" } else { "estimated" }).clone_into(without),
             "neighbors" => {
                 let default = prepared.unwrap_or(DEFAULT_NEIGHBORS);
@@ -35,10 +36,4 @@ pub fn cloud(
 /// The key that decides how faint a cloud is, and its value.
 pub fn opacity(cloud: &CloudSettings) -> (&'static str, f32) {
     cloud.surface_opacity.map_or(("opacity", cloud.opacity), |opacity| ("surface_opacity", opacity))
-}
-
-/// The changes that give each cloud an opacity, or the default one, by the key that decides about it.
-pub fn opacities(clouds: &[CloudSettings], value: Option<&Setting>) -> Vec<Change> {
-    let change = |(i, cloud)| (format!("cloud.{i}.{}", opacity(cloud).0), value.cloned());
-    clouds.iter().enumerate().map(change).collect()
 }

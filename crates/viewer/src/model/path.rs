@@ -14,6 +14,9 @@ use pellucid_scene::{CameraSettings, DEFAULT_FOV_Y, camera_at, path_defaults};
 /// between two keys of a Catmull-Rom spline.
 const TURN: usize = 16;
 
+/// Cosine of the angle between the vertical and an `up` below which that turns with a turntable.
+const UPRIGHT: f64 = 0.99;
+
 /// Seconds that a turntable takes from key to key.
 const TURN_PACE: f64 = 1.0;
 
@@ -43,8 +46,12 @@ impl Model {
             self.show_note("nothing is shown yet");
             return false;
         };
+        let before = self.route.at_rest();
         match change(&mut self.route, &defaults) {
-            Ok(()) => self.message = None,
+            Ok(()) => {
+                self.message = None;
+                self.record_route(before);
+            }
             Err(problem) => self.show_error(problem.to_string()),
         }
         self.message.is_none()
@@ -94,13 +101,13 @@ impl Model {
                 eye: pose.eye.to_array(),
                 target: Some((pose.eye + pose.forward * reach).to_array()),
                 // Straight views turn with the picture's top, all others keep their horizon.
-                up: Some(if up.dot(vertical) > 0.5 { up } else { pose.up }.to_array()),
+                up: Some(if up.normalize_or_zero().dot(vertical) > UPRIGHT { up } else { pose.up }.to_array()),
                 ..first.clone()
             },
         });
         let keys = keys.collect();
         if self.change_route(|route, defaults| route.fill(keys, defaults)) {
-            self.route.set_pace(TURN_PACE);
+            self.edit_route(|route| route.set_pace(TURN_PACE));
             self.go_to_key(0);
         }
     }

@@ -1,13 +1,14 @@
 //! Properties of every movement, also far from the origin.
 
 use super::*;
-use pellucid_scene::camera_at;
+use pellucid_scene::{ViewName, camera_at};
 
 const SIZE: [u32; 2] = [640, 480];
 
 fn subject(center: DVec3) -> CameraSubject {
     let half = DVec3::new(5.0, 4.0, 3.0);
-    CameraSubject { bounds: Bounds { min: center - half, max: center + half }, radius: 0.1, up: UpAxis::Z }
+    let bounds = Bounds { min: center - half, max: center + half };
+    CameraSubject { bounds, radius: 0.1, up: UpAxis::Z, vertical: UpAxis::Z.into() }
 }
 
 /// Navigators near the origin and where surveys are, from the side, slanted and from straight above.
@@ -204,4 +205,34 @@ fn depths_are_found_near_the_pointer() {
     assert_eq!(at(0.5, 1.5, 2), None, "NaN is no depth");
     assert_eq!(at(-1e30, f64::NAN, 2), None);
     assert_eq!(at(1e30, 1e30, 2), None);
+}
+
+/// Straight views included, whose pictures have another direction at the top.
+#[test]
+fn a_saved_view_says_the_vertical() {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+    for vertical in axes.map(|axis| Vertical::nearest(axis).unwrap()) {
+        let center = DVec3::new(500_000.0, 4_500_000.0, 100.0);
+        let subject = CameraSubject { vertical, ..subject(center) };
+        for (name, word, _) in &ViewName::ALL[..7] {
+            let (forward, up) = View { name: Some(*name), ..View::default() }.axes(vertical);
+            let perspective = Projection::Perspective { fov_y: 45f64.to_radians() };
+            let shown = Camera {
+                eye: center - 20.0 * forward,
+                forward,
+                up,
+                right: forward.cross(up),
+                ..camera(&navigators().next().unwrap())
+            };
+            let mut navigator = Navigator::new(&Camera { projection: perspective, ..shown }, Some(45.0), subject);
+            let settings = navigator.settings(None, None);
+            assert_eq!(Vertical::nearest(settings.up.unwrap()), Some(vertical), "{word} {vertical}");
+            let saved = camera(&navigator);
+            // Rounding of coordinates of 4.5e6 over a distance of 20.
+            let off = (saved.forward - forward).length() + (saved.up - up).length();
+            assert!(off < 1e-9, "{word} {vertical}: {saved:?}");
+            navigator.orbit(DVec2::new(50.0, 20.0), 480.0);
+            assert!(camera(&navigator).right.dot(vertical.up()).abs() < 1e-9, "{word} {vertical}: not level");
+        }
+    }
 }

@@ -3,8 +3,8 @@
 use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 
 use super::clouds;
-use super::row::{note, opacity_slider, takes_out, three_digits};
-use crate::controls::{ClassKey, ClassLook, class_changes, class_defaults, class_look, opacity};
+use super::row::{explained, note, opacity_slider, resets, three_digits};
+use crate::controls::{ClassKey, ClassLook, class_changes, class_look, class_resets, opacity};
 use crate::counts::{abbreviated, grouped};
 use crate::model::Model;
 use crate::statistics::Statistics;
@@ -92,8 +92,9 @@ fn row(
     if blended {
         changes = faintness(ui, model, i, settings, code).map(change).or(changes);
     }
-    if look.is_given && takes_out(ui, model, &format!("cloud.{i}.class.{code}")) {
-        changes = Some(class_defaults(i, &settings.class, code));
+    let opened = model.opened_scene().clouds.get(i).map(|cloud| cloud.class.clone()).unwrap_or_default();
+    if look != class_look(&opened, code) && resets(ui, model, &format!("cloud.{i}.class.{code}")) {
+        changes = Some(class_resets(i, &settings.class, &opened, code));
     }
     changes
 }
@@ -129,10 +130,11 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
     ui.spacing_mut().interact_size.x = 36.0;
     let response = ui.add_enabled(look.visible, opacity_slider(&mut value));
     let response = note(model, &format!("cloud.{i}.class.{code}.opacity"), response);
-    let response = response.on_hover_text(match look.opacity {
+    let about = match look.opacity {
         Some(_) => "opacity of this class, in place of the cloud's",
         None => "the cloud's opacity; move to give the class its own",
-    });
+    };
+    let response = explained(response, about);
     response.changed().then(|| ClassKey::Opacity(three_digits(value)))
 }
 

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, DragValue, Response, RichText, Ui};
 
-use super::row::{note, vector};
+use super::row::{explained, note, vector};
 use super::shading;
 use crate::controls::{AXES, NewClip, clip_changes, decimals, new_clip, short_number, without_clip};
 use crate::hints::hint;
@@ -162,7 +162,7 @@ fn plane(ui: &mut Ui, model: &mut Model, at: usize, point: &mut glam::DVec3, nor
         for axis in 0..AXES.len() {
             let response = number(ui, model, axis, &mut point[axis], f64::NEG_INFINITY..=f64::INFINITY);
             let response = if axis == 0 { note(model, &key, response) } else { response };
-            response.on_hover_text(hint(&key));
+            explained(response, hint(&key));
         }
     });
     ui.weak("keep the side toward");

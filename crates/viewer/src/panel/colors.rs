@@ -81,15 +81,16 @@ fn meaning(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetti
     let Some((first, others)) = offers.split_first() else { return };
     let words: Vec<&str> =
         first.iter().copied().filter(|word| others.iter().all(|other| other.contains(word))).collect();
-    let key = key_of(target, "color_by");
-    if let Some(word) = choice_row(ui, model, &key, "colored by", settings.coloring.color_by.word(), &words) {
+    let keys = ["color_by", "range"].map(|key| key_of(target, key));
+    let keys = keys.each_ref().map(String::as_str);
+    if let Some(word) = choice_row(ui, model, &keys, "colored by", settings.coloring.color_by.word(), &words) {
         model.change(&by(target, word));
     }
 }
 
 /// The changes that let colors show something else. A range of other values goes.
-fn by(target: Target, word: Option<&str>) -> Vec<Change> {
-    vec![(key_of(target, "color_by"), word.map(Setting::from)), (key_of(target, "range"), None)]
+fn by(target: Target, word: &str) -> Vec<Change> {
+    vec![(key_of(target, "color_by"), Some(Setting::from(word))), (key_of(target, "range"), None)]
 }
 
 /// Returns the quantities that the colors of a cloud can show.

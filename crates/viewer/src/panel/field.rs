@@ -52,8 +52,8 @@ pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
     let word = if same { first.name() } else { "several" };
     let has = |name: &&str| known.iter().all(|(_, statistics)| statistics.fields().contains(name));
     let words: Vec<&str> = some.fields().into_iter().filter(has).collect();
-    let key = format!("cloud.{target}.field");
-    let chosen = choice_row(ui, model, &key, "field F", word, &words);
+    let keys = ["field", "soft_classes", "axis"].map(|key| format!("cloud.{target}.{key}"));
+    let chosen = choice_row(ui, model, &keys.each_ref().map(String::as_str), "field F", word, &words);
     let counts = known.iter().fold(BTreeMap::new(), |mut sum: BTreeMap<u8, usize>, (_, statistics)| {
         statistics.classes.iter().for_each(|(code, count)| *sum.entry(*code).or_default() += count);
         sum
@@ -69,13 +69,12 @@ pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
     }
 }
 
-/// The changes that give clouds a field, or the default one. Keys that belong only to another field are removed.
-fn to_field(target: &str, word: Option<&str>, counts: &BTreeMap<u8, usize>) -> Vec<Change> {
+/// The changes that give clouds a field. Keys that belong only to another field are removed.
+fn to_field(target: &str, word: &str, counts: &BTreeMap<u8, usize>) -> Vec<Change> {
     let key = |name: &str| format!("cloud.{target}.{name}");
     let soft = VEGETATION.into_iter().filter(|code| counts.contains_key(code)).map(u32::from).collect();
-    let classes = (word == Some("classification")).then_some(Setting::Integers(soft));
-    let field = word.map(|word| Setting::Word(word.to_owned()));
-    vec![(key("field"), field), (key("soft_classes"), classes), (key("axis"), None)]
+    let classes = (word == "classification").then_some(Setting::Integers(soft));
+    vec![(key("soft_classes"), classes), (key("axis"), None), (key("field"), Some(word.into()))]
 }
 
 /// Check boxes of the classes, with their names and counts.
@@ -211,24 +210,23 @@ mod tests {
         document.set("method.name", Setting::Word("soft-express".into())).unwrap();
         let counts = [(2, 10), (4, 20), (5, 30), (6, 7)].into();
         for (target, first, second) in [("*", true, true), ("0", true, false), ("1", false, true)] {
-            let scene = document.change(&to_field(target, Some("classification"), &counts)).unwrap();
+            let scene = document.change(&to_field(target, "classification", &counts)).unwrap();
             let vegetation = Some(Field::Classification { classes: vec![4, 5] });
             let is_set: Vec<_> = scene.clouds.iter().map(|cloud| cloud.field == vegetation).collect();
             assert_eq!((is_set, scene.warnings), (vec![first, second], vec![]));
-            let scene = document.change(&to_field(target, Some("distance-to-axis"), &counts)).unwrap();
+            let scene = document.change(&to_field(target, "distance-to-axis", &counts)).unwrap();
             assert_eq!(scene.warnings, [""; 0]);
             let scene = document.change(&around(target, "point", Some([1.0; 3]))).unwrap();
             let through = Some(Field::DistanceToAxis { point: Some([1.0; 3]), direction: None });
             assert!(scene.clouds.iter().any(|cloud| cloud.field == through) && scene.warnings.is_empty());
             let scene = document.change(&around(target, "point", None)).unwrap();
             assert!(scene.clouds.iter().all(|cloud| cloud.field != through) && scene.warnings.is_empty());
-            let scene = document.change(&to_field(target, None, &counts)).unwrap();
-            assert_eq!((&scene.clouds[0].field, &scene.clouds[1].field), (&None, &None));
+            let scene = document.change(&to_field(target, "uncertainty", &counts)).unwrap();
             assert!(
                 scene.warnings.is_empty() && !document.has("cloud.*.axis") && !document.has("cloud.*.soft_classes")
             );
         }
-        let scene = document.change(&to_field("0", Some("classification"), &[(9, 1)].into())).unwrap();
+        let scene = document.change(&to_field("0", "classification", &[(9, 1)].into())).unwrap();
         assert_eq!(scene.clouds[0].field, Some(Field::Classification { classes: vec![] }));
     }
 }

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, RichText, Ui};
 
-use super::row::{edit_row, note};
+use super::row::{Edit, edit_row, note};
 use crate::controls;
 use crate::model::Model;
 use pellucid_scene::{MethodChoice, Purpose, gaussian_keys, method_keys};
@@ -40,7 +40,12 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         if let Some(entry) = controls::method(&method.representative(), key, model.extent())
             && let (Some(edit), _) = edit_row(ui, model, &dotted, &controls::label(key), entry)
         {
-            model.change(&controls::method_changes(&method.representative(), key, edit));
+            let changes = |value| controls::method_changes(&method.representative(), key, value);
+            match edit {
+                Edit::Set(value) => model.change(&changes(Some(value))),
+                Edit::Remove => model.change(&changes(None)),
+                Edit::Reset => model.reset_method(key),
+            }
         }
     }
     let warnings = model.scene().warnings.clone();

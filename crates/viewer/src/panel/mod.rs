@@ -104,3 +104,6 @@ fn saved(ui: &mut Ui, model: &mut Model) {
         model.dismiss_saved();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use super::row::{edit_row, note, row};
+use super::row::{Edit, edit_row_with, note};
 use crate::controls::{self, KeyControl, Presence};
 use crate::model::Model;
 use pellucid_scene::{Change, CloudSettings, Setting, rounded};
@@ -18,23 +18,30 @@ fn entry(cloud: &CloudSettings, model: &Model) -> Option<(&'static str, KeyContr
 
 /// The slider of one cloud. Returns true if its label was clicked.
 pub fn one(ui: &mut Ui, model: &mut Model, i: usize, cloud: &CloudSettings, label: &str) -> bool {
-    entry(cloud, model).is_some_and(|(key, entry)| row(ui, model, &format!("cloud.{i}.{key}"), label, Some(entry)))
+    let Some((key, entry)) = entry(cloud, model) else { return false };
+    let both = ["opacity", "surface_opacity"].map(|key| format!("cloud.{i}.{key}"));
+    let (key, is_changed) = (format!("cloud.{i}.{key}"), both.iter().any(|key| model.is_changed(key)));
+    let (edit, clicked) = edit_row_with(ui, model, &key, label, entry, is_changed);
+    match edit {
+        Some(Edit::Set(value)) => model.set(&key, value),
+        Some(Edit::Remove | Edit::Reset) => model.reset(&both),
+        None => {}
+    }
+    clicked
 }
 
-/// Shows a slider for all clouds, each by its own key; while they differ it shows their mean.
+/// Shows a slider for all clouds, each by its own key, and their classes; while the clouds differ it shows their mean.
 pub fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
     let Some((key, mut entry)) = clouds.first().and_then(|first| entry(first, model)) else { return };
-    let values: Vec<f32> = clouds.iter().map(|cloud| controls::opacity(cloud).1).collect();
-    let alike = values.iter().all(|value| Some(value) == values.first());
-    let (label, value) = if alike {
-        ("opacity of all", values.first().copied().map_or(1.0, rounded))
-    } else {
-        let mean = values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64;
-        ("opacity (mean)", controls::thousandths(mean))
-    };
-    entry.value = Setting::Number(value);
-    if let (Some(edit), _) = edit_row(ui, model, &format!("cloud.*.{key}"), label, entry) {
-        model.change(&controls::opacities(clouds, edit.as_ref()));
+    let (mean, are_equal) = controls::mean_opacity(clouds);
+    let label = if are_equal { "opacity of all" } else { "opacity (mean)" };
+    entry.value = Setting::Number(controls::thousandths(mean));
+    let keys = controls::opacity_keys(clouds, &model.opened_scene().clouds);
+    let is_changed = keys.iter().any(|key| model.is_changed(key));
+    match edit_row_with(ui, model, &format!("cloud.*.{key}"), label, entry, is_changed).0 {
+        Some(Edit::Set(Setting::Number(mean))) => model.set_mean_opacity(mean),
+        Some(Edit::Reset) => model.reset(&keys),
+        _ => {}
     }
 }
 
@@ -65,14 +72,9 @@ mod tests {
     use pellucid_scene::{Document, Overrides};
 
     #[test]
-    fn each_cloud_has_the_opacity_by_the_key_it_had() {
-        let text = "[[cloud]]\npath = 'a.ply'\nsurface_opacity = 0.5\n[[cloud]]\npath = 'b.ply'";
+    fn the_opacity_stays_when_the_other_key_has_it() {
+        let text = "[[cloud]]\npath = 'a.ply'\nsurface_opacity = 0.25";
         let mut document = Document::from_toml(text, "s.toml".as_ref(), &Overrides::default()).unwrap();
-        let scene = document.scene().unwrap();
-        let scene = document.change(&controls::opacities(&scene.clouds, Some(&Setting::Number(0.25)))).unwrap();
-        let [first, second] = &scene.clouds[..] else { panic!("two clouds") };
-        assert_eq!((first.surface_opacity, first.opacity), (Some(0.25), 1.0));
-        assert_eq!((second.surface_opacity, second.opacity), (None, 0.25));
         for wanted in [("opacity", 0.25), ("surface_opacity", 0.25)] {
             let cloud = document.scene().unwrap().clouds[0].clone();
             let (key, value) = controls::opacity(&cloud);

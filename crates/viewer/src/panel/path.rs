@@ -4,6 +4,7 @@ use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
 
 use super::row::note;
 use crate::model::Model;
+use crate::route::Route;
 
 /// Height of the list of keys in points.
 const LIST: f32 = 132.0;
@@ -99,13 +100,13 @@ fn timing(ui: &mut Ui, model: &mut Model) {
             let mut pace = model.route.pace();
             let drag = DragValue::new(&mut pace).range(0.05..=600.0).speed(0.05).suffix(" s").max_decimals(2);
             if ui.add(drag).on_hover_text("from key to key").changed() {
-                model.route.set_pace(pace);
+                model.edit_route(|route| route.set_pace(pace));
             }
         }
         let mut rate = model.route.rate();
         let drag = DragValue::new(&mut rate).range(1..=240).speed(0.2).suffix(" fps");
         if ui.add(drag).on_hover_text("frames per second of the film").changed() {
-            model.route.set_rate(rate);
+            model.edit_route(|route| route.set_rate(rate));
         }
         ui.weak(format!("{} frames", model.route.frames()));
     });
@@ -134,7 +135,7 @@ fn files(ui: &mut Ui, model: &mut Model) {
     let all: [Button<'_>; 3] = [
         ("turntable", "turntable", true, turn, Model::fill_turntable),
         ("save", "save path", any && !model.busy, save, Model::save_path),
-        ("clear", "clear", any, "remove all keys", |model| model.route.clear()),
+        ("clear", "clear", any, "remove all keys", |model| model.edit_route(Route::clear)),
     ];
     ui.horizontal(|ui| buttons(ui, model, &all));
 }

@@ -3,14 +3,18 @@
 use egui::Ui;
 
 use super::row::row;
-use crate::controls;
+use crate::controls::{self, KeyControl, Presence};
 use crate::model::{Model, Passes};
+use pellucid_core::color::ColorSpace;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let image = model.scene().image;
     for (key, label) in [("background", "background"), ("color", "blended in")] {
-        let entry = controls::find(image.keys(), key).and_then(|key| controls::entry(&key, model.extent()));
+        let mut entry = controls::find(image.keys(), key).and_then(|key| controls::entry(&key, model.extent()));
+        if let Some(KeyControl { presence: Presence::Optional { without, on: false }, .. }) = &mut entry {
+            color_space(model).clone_into(without);
+        }
         row(ui, model, &format!("image.{key}"), label, entry);
     }
     ui.horizontal(|ui| {
@@ -33,5 +37,15 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         let [width, height] = picture.size;
         let points = picture.facts.points;
         ui.weak(format!("{width} × {height} pixels, {points} points"));
+    }
+}
+
+/// The word for the space in which colors are blended if the scene doesn't say: its clouds decide.
+fn color_space(model: &Model) -> &'static str {
+    let (mut scene, statistics) = (model.scene().clone(), model.statistics());
+    scene.settle_for(|cloud| statistics.get(cloud).is_some_and(|statistics| statistics.gaussians));
+    match scene.image.color_space() {
+        ColorSpace::Linear => "linear",
+        ColorSpace::Encoded => "encoded",
     }
 }

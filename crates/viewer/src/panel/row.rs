@@ -13,23 +13,46 @@ const BUTTON: f32 = 20.0;
 /// Room that a switch takes before a control, in points.
 const SWITCH: f32 = 26.0;
 
-/// An edit of a key: sets it to a value, or removes it.
-pub type Edit = Option<Setting>;
+/// An edit of a key.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Edit {
+    /// The key has this value now.
+    Set(Setting),
+    /// The key is removed.
+    Remove,
+    /// The key has the value of the scene that was opened.
+    Reset,
+}
 
 /// A row that applies its own edits, if its key has a control. Returns true if its name was clicked.
 pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Option<KeyControl>) -> bool {
     let Some(entry) = entry else { return false };
     let (edit, clicked) = edit_row(ui, model, key, label, entry);
-    if let Some(edit) = edit {
-        model.set(key, edit);
+    match edit {
+        Some(Edit::Set(value)) => model.set(key, value),
+        Some(Edit::Remove) => model.set(key, None),
+        Some(Edit::Reset) => model.reset(&[key]),
+        None => {}
     }
     clicked
 }
 
-/// A control with its name and, if its key is given, a button that removes the key; records the control's position.
-/// Returns the edit, and true if the name was clicked.
+/// A control with its name and, if its key is not what it was in the scene that was opened, a button that makes it so;
+/// records the control's position. Returns the edit, and true if the name was clicked.
 pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: KeyControl) -> (Option<Edit>, bool) {
-    let given = model.is_given(key);
+    let is_changed = model.is_changed(key);
+    edit_row_with(ui, model, key, label, entry, is_changed)
+}
+
+/// Does the same as [`edit_row`], with the button if `is_changed`.
+pub fn edit_row_with(
+    ui: &mut Ui,
+    model: &mut Model,
+    key: &str,
+    label: &str,
+    entry: KeyControl,
+    is_changed: bool,
+) -> (Option<Edit>, bool) {
     let KeyControl { control, value, presence, about } = entry;
     ui.horizontal(|ui| {
         if presence != Presence::Always {
@@ -39,17 +62,17 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: K
         let (on, mut edit) = switch(ui, model, key, &presence, &value, about);
         if on {
             let (response, changed) = change(ui, key, label, control, value);
-            note(model, key, response.on_hover_text(about));
-            edit = edit.or(changed.map(Some));
+            note(model, key, explained(response, about));
+            edit = edit.or(changed.map(Edit::Set));
         }
         if let (Presence::Optional { without, .. }, false) = (&presence, on) {
             ui.weak(without);
         }
-        let has_button = given && presence == Presence::Always;
+        let has_button = is_changed && presence == Presence::Always;
         let room = ui.available_width() - if has_button { BUTTON } else { 0.0 };
         let named = (control != Control::Flag).then(|| name_within(ui, about, label, room));
-        if has_button && takes_out(ui, model, key) {
-            edit = Some(None);
+        if has_button && resets(ui, model, key) {
+            edit = Some(Edit::Reset);
         }
         (edit, named.is_some_and(|name| name.clicked()))
     })
@@ -74,9 +97,14 @@ fn switch(
     let response = if radio { ui.radio(on, "") } else { ui.checkbox(&mut on, "") };
     let response = note(model, &format!("{key}?"), response);
     let clicked = if radio { response.clicked() && !was } else { response.changed() };
-    response.on_hover_text(about);
-    let edit = clicked.then(|| (!was).then(|| start.clone()));
-    (was, edit)
+    explained(response, about);
+    let edit = match (was, model.opened_has(key)) {
+        (true, _) => Edit::Remove,
+        // Switched on again, it is as it was.
+        (false, true) if !radio => Edit::Reset,
+        (false, _) => Edit::Set(start.clone()),
+    };
+    (was, clicked.then_some(edit))
 }
 
 /// The name of a row, as long as the row has room for it.
@@ -94,10 +122,16 @@ fn name_within(ui: &mut Ui, about: &str, label: &str, room: f32) -> Response {
     if about.is_empty() { shown.inner } else { shown.inner.on_hover_text(about) }
 }
 
-/// The button that removes a given key; keys with a switch have none. Returns true if it was clicked.
-pub fn takes_out(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
-    let response =
-        ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("reset to the default");
+/// Explains a control while the pointer rests on it. While it is dragged, the explanation would hide what is below.
+pub fn explained(response: Response, about: &str) -> Response {
+    if response.ctx.input(|input| input.pointer.any_down()) { response } else { response.on_hover_text(about) }
+}
+
+/// The button that returns a key to the scene that was opened; keys with a switch have none. Returns true if it was
+/// clicked.
+pub fn resets(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
+    let button = Button::new(RichText::new("⟲").size(11.0)).frame(false);
+    let response = ui.add(button).on_hover_text("return to the scene as it was opened");
     note(model, &format!("{key} default"), response).clicked()
 }
 
@@ -177,23 +211,27 @@ pub fn choice<'a>(ui: &mut Ui, key: &str, word: &'a str, words: &[&'a str]) -> (
     (shown.response, (chosen != word).then_some(chosen))
 }
 
-/// A choice between words with its name and, if its key is given, a button that removes the key. Returns the word that
-/// was chosen, `None` for one if the button was clicked.
+/// A choice between words for the first of some keys with its name and, if one of the keys is not what it was in the
+/// scene that was opened, a button that returns all of them to it. Returns the word that was chosen.
 pub fn choice_row<'a>(
     ui: &mut Ui,
     model: &mut Model,
-    key: &str,
+    keys: &[&str],
     label: &str,
     word: &'a str,
     words: &[&'a str],
-) -> Option<Option<&'a str>> {
-    let given = model.is_given(key);
+) -> Option<&'a str> {
+    let is_changed = keys.iter().any(|key| model.is_changed(key));
+    let key = keys.first().copied().unwrap_or_default();
     let row = ui.horizontal(|ui| {
         let (response, chosen) = choice(ui, key, word, words);
         note(model, key, response);
         name(ui, key, label);
-        let out = given && takes_out(ui, model, key);
-        chosen.map(Some).or(out.then_some(None))
+        if is_changed && resets(ui, model, key) {
+            model.reset(keys);
+            return None;
+        }
+        chosen
     });
     row.inner
 }
@@ -205,7 +243,7 @@ pub fn vector(ui: &mut Ui, model: &mut Model, key: &str, vector: [f64; 3], speed
         ui.spacing_mut().item_spacing.x = 4.0;
         let responses = changed.each_mut().map(|x| {
             let number = DragValue::new(x).speed(speed).max_decimals(4).update_while_editing(false);
-            ui.add_sized([70.0, 18.0], number).on_hover_text(hint(key))
+            explained(ui.add_sized([70.0, 18.0], number), hint(key))
         });
         let [first, ..] = responses;
         note(model, key, first);

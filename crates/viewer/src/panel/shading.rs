@@ -44,8 +44,16 @@ fn light(ui: &mut Ui, model: &mut Model, light: Light) {
         Light::Direction(_) => "direction",
         Light::Position(_) => "position",
     };
-    if let Some(word) = choice_row(ui, model, "shading.light", "light", word, &words) {
-        set_light(model, light, other_kind(model, light, word.unwrap_or("headlight")));
+    // The radius is an angle or a length: it belongs to the kind of light.
+    let opened = model.opened_scene().shading.light;
+    let same = std::mem::discriminant(&opened) == std::mem::discriminant(&light);
+    let keys: &[&str] = if same { &["shading.light"] } else { &["shading.light", "shadows.light_radius"] };
+    if let Some(word) = choice_row(ui, model, keys, "light", word, &words) {
+        set_light(model, light, other_kind(model, light, word));
+        return;
+    }
+    // It may have been reset just now.
+    if light != model.scene().shading.light {
         return;
     }
     match light {
@@ -81,10 +89,10 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
     }
 }
 
-/// Returns the reference of elevations: the axis nearest to the up direction of the scene's camera, else the clouds'
-/// vertical.
+/// Returns the reference of elevations: the scene's vertical.
 pub fn vertical(model: &Model) -> Vertical {
-    model.scene().camera.vertical(model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
+    let known = model.picture().map(|picture| picture.subject.vertical);
+    known.unwrap_or_else(|| model.scene().camera.vertical(UpAxis::Z))
 }
 
 /// A direction by its angles, and by its numbers.

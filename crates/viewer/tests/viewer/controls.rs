@@ -203,3 +203,44 @@ fn numbers_are_as_short_as_in_the_file() {
     assert_eq!((significant(0.012_345_67), significant(98_765.4), significant(0.0)), (0.012_35, 98_770.0, 0.0));
     assert_eq!(thousandths(0.249_999_9), 0.25);
 }
+
+/// Most characters of a phrase beside a switch, and of a label.
+const MOST: usize = 18;
+
+/// Texts of the reference are longer and have code in them: a control needs words of its own.
+#[test]
+fn labels_are_short_and_plain() {
+    let extent = ControlExtent { diagonal: 123_456.78, median_radius: 0.125 };
+    let scene = document("auto").scene().unwrap();
+    let keys_of = |name: &'static str| method_keys(name).into_iter().map(move |key| (name, key));
+    let methods = METHODS.iter().flat_map(|name| keys_of(name)).map(|(name, key)| {
+        let document = document(name);
+        (key, method(&document.scene().unwrap().method.representative(), key, extent))
+    });
+    let clouds =
+        ["primitive", "sh_degree", "radius", "neighbors", "radius_cap", "outliers", "colormap", "reverse", "log"];
+    let clouds = clouds.into_iter().flat_map(|key| {
+        [None, Some(12)].map(|prepared| (key, cloud(&scene.clouds[0], key, prepared.is_some(), prepared, extent)))
+    });
+    let shading = names(&scene.shading.keys()).into_iter().filter(|key| *key != "light");
+    let shading = shading.map(|key| (key, entry(&find(scene.shading.keys(), key).expect(key), extent)));
+    let shaded = names(&Shadows::default().keys()).into_iter();
+    let shaded = shaded.map(|key| (key, shadows(&Shadows::default(), Light::Headlight, key, extent)));
+    let all: Vec<_> = methods.chain(clouds).chain(shading).chain(shaded).collect();
+    assert!(all.len() > 100);
+    for (key, entry) in all {
+        let entry = entry.unwrap_or_else(|| panic!("{key} has no control"));
+        let words = match entry.control {
+            Control::Choice(words) => words.iter().map(|word| word.name.to_owned()).collect(),
+            _ => vec![],
+        };
+        let without = match entry.presence {
+            Presence::Optional { without, .. } => Some(without),
+            _ => None,
+        };
+        for text in words.into_iter().chain(without).chain([controls::label(key)]) {
+            let is_plain = !text.contains(['`', '"', ';', '_', '.']) || text.contains('%');
+            assert!(text.chars().count() <= MOST && is_plain, "{key}: {text:?}");
+        }
+    }
+}

@@ -21,6 +21,7 @@ mod keys;
 mod opened;
 mod path;
 mod reopened;
+mod undo;
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -50,7 +51,12 @@ fn picture(request: &Request, whole: bool) -> News {
         serial: request.serial,
         pose: request.pose,
         camera,
-        subject: CameraSubject { bounds: Bounds { min: -half, max: half }, radius: 0.1, up: UpAxis::Z },
+        subject: CameraSubject {
+            bounds: Bounds { min: -half, max: half },
+            radius: 0.1,
+            up: UpAxis::Z,
+            vertical: UpAxis::Z.into(),
+        },
         size: SIZE,
         pixels: None,
         depths: vec![10.0; 64 * 48],

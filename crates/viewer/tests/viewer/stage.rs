@@ -4,6 +4,7 @@
 mod common;
 mod drafts;
 mod stored;
+mod views;
 
 use std::path::Path;
 
