@@ -14,7 +14,7 @@ const ROOM: usize = 200_000;
 /// Values of a key frame.
 const OF_A_KEY: usize = 16;
 
-/// What a step replaced.
+/// A state that a step replaced.
 #[derive(Debug, Clone)]
 pub enum Before {
     /// The scene.
@@ -38,7 +38,7 @@ impl Before {
 pub struct History {
     past: VecDeque<Before>,
     future: Vec<Before>,
-    /// What the last step changed, while further changes of it belong to the same step.
+    /// The subject of the last step, while further changes of it belong to the same step.
     open: Option<String>,
 }
 

@@ -32,7 +32,7 @@ impl Turntable {
         Self { vertical: vertical.up(), front: vertical.front(), side: vertical.right() }
     }
 
-    /// The vertical of the scene if the camera is level with it, else +Z or +Y if it is with that, else the image's own.
+    /// The vertical of the scene if the camera is level with it, else +Z or +Y if it is with that, else the image's.
     fn level_with(camera: &Camera, vertical: Vertical) -> Self {
         let level =
             |table: &Self| camera.right.dot(table.vertical).abs() < 1e-6 && camera.up.dot(table.vertical) > -1e-9;
@@ -162,8 +162,8 @@ impl Navigator {
     pub fn settings(&self, near: Option<f64>, far: Option<f64>) -> CameraSettings {
         let [_, up, forward] = self.axes();
         // Cameras of one vertical keep their horizon level when a path leads from one to the other. In straight views
-        // the vertical turns nothing, since it is along the view, but makes itself the axis nearest to `up`: views of a
-        // saved scene refer to that.
+        // the vertical is along the view and turns nothing, but it becomes the axis nearest to `up`, which views of a
+        // saved scene refer to.
         let vertical = self.table.vertical;
         let up = if self.elevation.cos() > LEVEL { vertical } else { up + 2.0 * vertical };
         let eye = self.eye - forward * self.retreat();

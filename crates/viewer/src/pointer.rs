@@ -67,7 +67,7 @@ fn divide_steps(ctx: &Context, model: &mut Model) {
         let is_release = |event: &Event| matches!(event, Event::Key { pressed: false, .. });
         let (pointer, any) = (&input.pointer, |is: &dyn Fn(&Event) -> bool| input.events.iter().any(is));
         let is_held = pointer.any_down() || !input.keys_down.is_empty();
-        // What was released in this frame has its last change in it.
+        // The last change of a drag comes with the release.
         (pointer.any_pressed() || any(&is_press), is_held || pointer.any_released() || any(&is_release))
     });
     if begins || !goes_on {

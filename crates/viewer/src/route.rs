@@ -127,7 +127,7 @@ impl Route {
         [first, last + back]
     }
 
-    /// The same path, neither running nor with its motion.
+    /// Returns the path without its motion, not running.
     pub fn at_rest(&self) -> Self {
         Self { playing: false, curve: None, ..self.clone() }
     }

@@ -53,7 +53,7 @@ impl CameraSettings {
         self.up.and_then(Vertical::nearest).unwrap_or(up.into())
     }
 
-    /// Returns the settings that show the whole scene from a view, upright: `up` is then no more than the vertical axis.
+    /// Returns the settings that show the whole scene from a view, upright: `up` is then only the vertical axis.
     pub fn seen_from(&self, view: View) -> Self {
         let up = self.up.and_then(Vertical::nearest).map(Vertical::up);
         Self { view, eye: None, target: None, up, height: None, ..*self }

@@ -15,12 +15,14 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 model.look_from(View { name: Some(*name), ..View::default() });
             }
         }
+    });
+    ui.horizontal(|ui| {
         if ui.button("all").on_hover_text("everything, from the front's right and above (Home)").clicked() {
             model.look_from(View::default());
         }
+        let mut flat = model.is_orthographic();
+        if ui.checkbox(&mut flat, "orthographic (P)").clicked() {
+            model.navigate(Navigator::toggle_projection);
+        }
     });
-    let mut flat = model.is_orthographic();
-    if ui.checkbox(&mut flat, "orthographic (P)").clicked() {
-        model.navigate(Navigator::toggle_projection);
-    }
 }

@@ -15,10 +15,10 @@ use pellucid_scene::{Change, CloudSettings, ColorBy, rounded};
 const ROOM: f32 = 300.0;
 
 /// Width of the names, in points, beside sliders and without them.
-const NAMES: [f32; 2] = [98.0, 170.0];
+const NAMES: [f32; 2] = [104.0, 170.0];
 
 /// Width of the sliders, in points.
-const SLIDER: f32 = 46.0;
+const SLIDER: f32 = 40.0;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -138,12 +138,12 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
     response.changed().then(|| ClassKey::Opacity(three_digits(value)))
 }
 
-/// Text in a column of this width.
+/// Text in a column of this width, in two lines if it is longer.
 fn column(ui: &mut Ui, width: f32, text: &RichText, hint: &str) {
     let layout = Layout::left_to_right(Align::Center);
     let response = ui.allocate_ui_with_layout(vec2(width, 16.0), layout, |ui| {
         ui.set_min_width(width);
-        ui.add(Label::new(text.clone()).truncate().selectable(false))
+        ui.add(Label::new(text.clone()).wrap().selectable(false))
     });
     response.inner.on_hover_text(hint);
 }

@@ -102,16 +102,24 @@ fn soft_points_are_chosen_in_the_panel() {
     });
 }
 
-/// A field that is set back gives the original result, whatever was computed for the points in between.
+/// A field that is reset or undone gives the result that it had, whatever was computed for the points in between.
 #[test]
-fn a_field_that_is_taken_back_is_the_default_again() {
+fn a_field_returns_to_that_of_the_opened_scene() {
     with_display(|display| {
         let folder = garden();
-        let text = "[method]\nname = 'soft-express'\nthreshold = 0.1\n[[cloud]]\npath = 'wood.ply'\n\
-            field = 'z'\nneighbors = 5\n";
+        let text = "[method]\nname = 'soft-express'\nthreshold = 0.1\n[[cloud]]\npath = 'leaves.ply'\n\
+            field = 'classification'\nsoft_classes = [3]\nneighbors = 5\n";
         let mut desk = Desk::open(display, folder.path(), text);
+        let of_classes = |classes: &[u8]| Some(Field::Classification { classes: classes.to_vec() });
+        desk.click("cloud.0.soft_classes.5");
+        assert_eq!(desk.saved().clouds[0].field, of_classes(&[3, 5]));
         desk.click("cloud.0.field default");
-        assert_eq!(desk.saved().clouds[0].field, None);
+        assert_eq!(desk.saved().clouds[0].field, of_classes(&[3]));
+        for (key, classes) in [("ctrl+z", &[3, 5][..]), ("ctrl+z", &[3]), ("ctrl+shift+z", &[3, 5]), ("ctrl+y", &[3])] {
+            display.do_it(&format!("key {key}"));
+            desk.window.wait_for("at rest");
+            assert_eq!(desk.saved().clouds[0].field, of_classes(classes), "{key}");
+        }
         // The cloud's name unfolds it, however slowly it is clicked: frames may take long between pressing and letting
         // go.
         let [left, top, width, height] = desk.window.control("cloud.0");
@@ -121,8 +129,9 @@ fn a_field_that_is_taken_back_is_the_default_again() {
         display.do_it("mouseup 1");
         desk.window.wait_for("control cloud.0.neighbors?");
         desk.click("cloud.0.neighbors?");
-        let scene = desk.saved();
-        assert_eq!((&scene.clouds[0].field, scene.clouds[0].neighbors), (&None, None));
+        assert_eq!(desk.saved().clouds[0].neighbors, None);
+        desk.click("cloud.0.neighbors?");
+        assert_eq!(desk.saved().clouds[0].neighbors, Some(5), "as it was opened");
     });
 }
 

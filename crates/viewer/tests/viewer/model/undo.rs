@@ -99,7 +99,7 @@ fn every_change_of_the_scene_is_undone_and_done_again() {
         assert_eq!(model.message, None);
         states.push(text(&model));
     }
-    // What is refused, and what changes nothing, is no step.
+    // A change that is refused, and one that changes nothing, is no step.
     model.end_step();
     set_opacity(&mut model, 7.0);
     model.set("image.background", Setting::from([1.0, 0.5, 0.0]));
