@@ -122,8 +122,8 @@ fn faults(ctx: &Context, model: &mut Model) -> Vec<String> {
     let mut faults = Vec::new();
     for (clip, text) in panel {
         let (said, rect) = (text.galley.text(), text.visual_bounding_rect());
-        // Sentences have a line of their own, or several.
-        let is_sentence = text.galley.rows.len() > 1 || rect.left() < SIZE[0] - WIDTH + 40.0;
+        // Sentences have a line of their own, at most two levels in, or several.
+        let is_sentence = text.galley.rows.len() > 1 || rect.left() < SIZE[0] - WIDTH + 64.0;
         let wrong = [
             (said.contains(['`', '"']), "is written for a scene file"),
             (text.galley.elided, "is cut off"),
