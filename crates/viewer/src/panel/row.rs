@@ -98,12 +98,10 @@ fn switch(
     let response = note(model, &format!("{key}?"), response);
     let clicked = if radio { response.clicked() && !was } else { response.changed() };
     explained(response, about);
-    let edit = match (was, model.opened_has(key)) {
-        (true, _) => Edit::Remove,
-        // Switched on again, it is as it was.
-        (false, true) if !radio => Edit::Reset,
-        (false, _) => Edit::Set(start.clone()),
-    };
+    // Switched on again, it is as it was, but for methods, whose keys depend on each other, and for several clouds.
+    let returns = !key.starts_with("method.") && !key.contains('*') && model.opened_has(key);
+    let on = if returns { Edit::Reset } else { Edit::Set(start.clone()) };
+    let edit = if was { Edit::Remove } else { on };
     (was, clicked.then_some(edit))
 }
 
