@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 /// The word for the space in which colors are blended if the scene doesn't say: its clouds decide.
 fn color_space(model: &Model) -> &'static str {
     let (mut scene, statistics) = (model.scene().clone(), model.statistics());
-    scene.settle_for(|cloud| statistics.get(cloud).is_some_and(|statistics| statistics.gaussians));
+    scene.settle_for(|cloud| statistics.get(cloud)?.blend_space);
     match scene.image.color_space() {
         ColorSpace::Linear => "linear",
         ColorSpace::Encoded => "encoded",
