@@ -9,6 +9,7 @@ mod las;
 mod memory;
 mod number;
 pub mod output;
+mod parts;
 mod pcd;
 pub mod photo;
 pub mod ply;

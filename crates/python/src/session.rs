@@ -3,7 +3,7 @@
 use pellucid_engine::methods::see_through;
 use pellucid_gpu::Device;
 use pellucid_scene::Scene;
-use pellucid_session::{Prepared, Request, Session};
+use pellucid_session::{Prepared, Request, Session, inputs};
 
 use crate::failure::Failure;
 use crate::request::{self, Ask, Changes};
@@ -59,5 +59,6 @@ fn request(state: &State, parsed: &mut Option<((Vec<String>, Changes), Scene)>, 
     if let (Some(share), Some(reason)) = (ask.see_through, see_through::refusal(scene.method)) {
         return Err(Failure::Value(format!("see_through={share}: {reason}")));
     }
-    ask.request((state.name.clone(), state.input.clone()), (state.view, state.seed), scene)
+    let request = ask.request((state.name.clone(), state.input.clone()), (state.view, state.seed), scene)?;
+    Ok(Request { inputs: inputs(&state.document), ..request })
 }

@@ -17,6 +17,8 @@ pub struct Document {
     root: Node,
     /// The folder that relative paths of clouds start from.
     folder: Option<PathBuf>,
+    /// The scene file that it was read from.
+    file: Option<PathBuf>,
 }
 
 /// A dotted key and its value; `None` removes the key.
@@ -31,7 +33,7 @@ impl Document {
     pub fn from_toml(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
         let mut root = tree::parse(text, origin)?;
         overrides.apply(&mut root)?;
-        Ok(Self { root, folder: origin.parent().map(Path::to_owned) })
+        Ok(Self { root, folder: origin.parent().map(Path::to_owned), file: None })
     }
 
     /// Returns the document in the file `path`, with options laid over it.
@@ -39,7 +41,8 @@ impl Document {
     /// # Errors
     /// A file that is missing, empty, too large or not text, and all of [`Document::from_toml`].
     pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, Error> {
-        Self::from_toml(&parse::read_text(path)?, path, overrides)
+        let document = Self::from_toml(&parse::read_text(path)?, path, overrides)?;
+        Ok(Self { file: Some(path.to_owned()), ..document })
     }
 
     /// Returns a document of cloud files, with options laid over it.
@@ -59,7 +62,7 @@ impl Document {
         let clouds = Node { place: place(), value: Value::Array(clouds) };
         let mut root = Node { place: place(), value: Value::Table([("cloud".to_owned(), (place(), clouds))].into()) };
         overrides.apply(&mut root)?;
-        Ok(Self { root, folder: None })
+        Ok(Self { root, folder: None, file: None })
     }
 
     /// Returns the scene that the document describes.
@@ -148,6 +151,18 @@ impl Document {
             }
         }
         look(&self.root, &path(key))
+    }
+
+    /// Returns the scene file that it was read from, if it was.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// Returns the files that the keys name: those of clouds, of the heights of pictures, and of polygons.
+    pub fn named_files(&self) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        collect_files(&self.root, &[], self.folder.as_deref(), &mut files);
+        files
     }
 
     /// Returns the document as a TOML text for a file in `folder`. Files of clouds are found from there: by their names
@@ -243,9 +258,26 @@ fn grow(node: &mut Node, path: &[&str], place: &Place) {
     }
 }
 
+/// Returns `true` if the value of a key is the name of a file.
+fn is_file(keys: &[&str]) -> bool {
+    matches!(keys, ["cloud", "path"] | ["cloud", "photo", "heights"] | ["clip", "polygon"])
+}
+
+/// Collects the files that a value names, of which relative ones start from a folder; `keys` lead to it.
+fn collect_files(node: &Node, keys: &[&str], folder: Option<&Path>, files: &mut Vec<PathBuf>) {
+    match &node.value {
+        Value::Table(entries) => entries.iter().for_each(|(key, (_, node))| {
+            collect_files(node, &[keys, &[key.as_str()]].concat(), folder, files);
+        }),
+        Value::Array(items) => items.iter().for_each(|item| collect_files(item, keys, folder, files)),
+        Value::String(text) if is_file(keys) => files.push(folder.unwrap_or(Path::new("")).join(text)),
+        Value::Path(path) => files.push(path.clone()),
+        _ => {}
+    }
+}
+
 /// A value with the files in it moved. `keys` lead to it.
 fn to_toml(node: &Node, keys: &[&str], moved: &dyn Fn(&Path) -> Result<String, Error>) -> Result<toml::Value, Error> {
-    let is_file = matches!(keys, ["cloud", "path"] | ["cloud", "photo", "heights"] | ["clip", "polygon"]);
     Ok(match &node.value {
         Value::Table(entries) => {
             let entry = |(key, (_, node)): (&String, &(Place, Node))| {
@@ -256,7 +288,7 @@ fn to_toml(node: &Node, keys: &[&str], moved: &dyn Fn(&Path) -> Result<String, E
         Value::Array(items) => {
             toml::Value::Array(items.iter().map(|item| to_toml(item, keys, moved)).collect::<Result<_, _>>()?)
         }
-        Value::String(text) if is_file => toml::Value::String(moved(Path::new(text))?),
+        Value::String(text) if is_file(keys) => toml::Value::String(moved(Path::new(text))?),
         Value::Path(path) => toml::Value::String(moved(path)?),
         Value::String(text) => toml::Value::String(text.clone()),
         Value::Integer(i) => toml::Value::Integer(*i),
@@ -330,6 +362,17 @@ mod tests {
         let error = document.lay_over(&overrides).unwrap_err().to_string();
         assert!(error.starts_with("size=2: "), "{error}");
         assert_eq!(document.scene().unwrap().clouds[0].opacity, 0.5);
+    }
+
+    #[test]
+    fn the_files_of_a_scene_are_those_that_its_keys_name() {
+        let mut document = document();
+        document.put("cloud.0.photo.heights", Setting::Word("h.png".into())).unwrap();
+        let mut files = document.named_files();
+        files.sort();
+        assert_eq!(files, ["/data/b.ply", "/scans/a.ply", "/scans/area.geojson", "/scans/h.png"].map(PathBuf::from));
+        let typed = Document::from_clouds(["x.ply"], &Overrides::default()).unwrap();
+        assert_eq!((typed.named_files(), typed.file()), (vec![PathBuf::from("x.ply")], None));
     }
 
     #[test]

@@ -23,7 +23,7 @@ mod uploaded;
 pub use assembled::{Assembled, Wanted};
 pub use messages::{Messages, Silent};
 pub use prepared::{Opened, Prepared};
-pub use request::{ChoiceRequest, FrameRequest, Request, SeeThrough, SeeThroughBy};
+pub use request::{ChoiceRequest, FrameRequest, Request, SeeThrough, SeeThroughBy, inputs};
 pub use session::Session;
 pub use sources::{Clouds, Limits, Residence, Sources, describe_cloud, describe_store};
 pub use uploaded::Uploaded;

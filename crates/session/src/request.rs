@@ -2,7 +2,8 @@
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Stop};
-use pellucid_scene::{Detail, Input, MethodChoice, Named, Scene};
+use pellucid_io::output::Inputs;
+use pellucid_scene::{Detail, Document, Input, MethodChoice, Named, Scene};
 
 use crate::assembled::Wanted;
 use crate::choice::Wish;
@@ -17,6 +18,8 @@ pub struct Request {
     pub scene: Scene,
     /// Place of the clouds.
     pub input: Input,
+    /// Files that the scene was read from and names, none of which an output may replace.
+    pub inputs: Inputs,
     /// Limits on reading the clouds.
     pub limits: Limits,
     /// Form in which points are wanted, with the seed of everything random.
@@ -83,16 +86,22 @@ pub struct FrameRequest {
     pub detail: Option<Detail>,
 }
 
+/// Returns the files that a scene was read from and names.
+pub fn inputs(document: &Document) -> Inputs {
+    Inputs::default().with(document.file()).with(document.named_files())
+}
+
 impl Request {
     /// Returns the request for pictures of a scene, exact to the last bit, on clouds that `limits` allow to read.
     ///
     /// # Errors
     /// Returns an error with line and column if a key is wrong.
     pub fn new(named: &Named, limits: Limits, seed: u64) -> Result<Self> {
-        Ok(Self::of_scene(named.name.clone(), named.document.scene()?, named.input.clone(), limits, seed))
+        let request = Self::of_scene(named.name.clone(), named.document.scene()?, named.input.clone(), limits, seed);
+        Ok(Self { inputs: inputs(&named.document), ..request })
     }
 
-    /// Returns the request for pictures of a scene whose keys are already parsed.
+    /// Returns the request for pictures of a scene whose keys are already parsed. It has no [`inputs`](Self::inputs).
     pub fn of_scene(name: String, scene: Scene, input: Input, limits: Limits, seed: u64) -> Self {
         // Clouds of the caller stay where they are; whoever names files can have them read again.
         let is_edited = matches!(input, Input::Clouds(_));
@@ -100,6 +109,7 @@ impl Request {
             name,
             scene,
             input,
+            inputs: Inputs::default(),
             limits,
             wanted: Wanted { seed, legend: false, radii: false, is_edited },
             see_through: None,

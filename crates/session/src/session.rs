@@ -438,6 +438,7 @@ impl Session {
             color: scene.image.color_space(),
             transparent: false,
             metadata,
+            inputs: prepared.request.inputs.clone(),
         }
     }
 

@@ -8,9 +8,9 @@ use super::navigate::Pose;
 use super::stage::{SceneRenderer, TakenPicture};
 use pellucid_engine::Result;
 use pellucid_io as io;
-use pellucid_io::output;
+use pellucid_io::output::{self, Inputs, WriteOptions};
 use pellucid_scene::{Document, Overrides, Setting};
-use pellucid_session::Clouds;
+use pellucid_session::{Clouds, inputs};
 
 /// Writes the scene to the current folder under the next free number, or to the given place. On request also writes the
 /// path and the picture, equal to `render`'s picture of that file to the last byte. Clouds that no file contains are
@@ -25,6 +25,8 @@ pub fn write(stage: &mut SceneRenderer, saving: &Saving, generated: bool) -> Res
     }
     let stem = if saving.path.is_some() { format!("{}-path", saving.stem) } else { saving.stem.clone() };
     let scene_path = saving.to.clone().unwrap_or_else(|| free(&stem, |path| path.exists()));
+    // The scene file may be that of the scene, which is what is edited.
+    Inputs::default().with(document.named_files()).refuse(&scene_path)?;
     write_text(&scene_path, &document.to_toml(scene_path.parent().unwrap_or(Path::new("")))?)?;
     let mut written = vec![scene_path.clone()];
     if let Some(path) = &saving.path {
@@ -58,13 +60,14 @@ fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
 
 /// Does the same as `pellucid render SCENE -o PICTURE`.
 fn render(stage: &mut SceneRenderer, scene_path: &Path, picture: &Path) -> Result<()> {
-    let mut scene = Document::read(scene_path, &Overrides::default())?.scene()?;
+    let document = Document::read(scene_path, &Overrides::default())?;
+    let mut scene = document.scene()?;
     if let Clouds::Held(clouds) = stage.clouds() {
         scene.settle(clouds);
     }
     let TakenPicture { rendered, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
     let options = stage.write_options(scene_path.display().to_string(), brightness.as_ref())?;
-    output::write_image(picture, &rendered.image, &options)?;
+    output::write_image(picture, &rendered.image, &WriteOptions { inputs: inputs(&document), ..options })?;
     stage.recycle(rendered.image);
     Ok(())
 }

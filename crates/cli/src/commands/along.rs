@@ -9,6 +9,7 @@ use pellucid_core::camera::path::{self, Curve, Pose};
 use pellucid_core::cloud::UpAxis;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
+use pellucid_io::output::Inputs;
 use pellucid_scene::{Course, Scene};
 use pellucid_session::{Opened, Prepared, Request};
 
@@ -51,6 +52,11 @@ impl PathArgs {
             (None, true) => Some("--turntable"),
             (None, false) => None,
         }
+    }
+
+    /// The files that are read for frames of these inputs.
+    pub fn reads(&self, input: &InputArgs) -> Inputs {
+        input.reads().with(self.path.iter().flat_map(|path| CameraSource::files(path)))
     }
 
     /// The requested motion of the camera, if any; reads its file. Warnings go to standard error.

@@ -9,6 +9,7 @@ use pellucid_lab::check::{self, Case, Counts, Finding, Naive, Verdict};
 use super::console::Console;
 use super::limit::usage;
 use super::options::device;
+use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -27,6 +28,12 @@ pub struct CheckArgs {
     /// Print a Markdown table with one row per case, shared by several methods, as in docs/numerics.md.
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
+}
+
+impl Touches for CheckArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::default())
+    }
 }
 
 pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {

@@ -7,12 +7,13 @@ use clap::Args;
 use pellucid_core::image::LinearImage;
 use pellucid_core::metrics::{self, Comparison};
 use pellucid_engine::Result;
-use pellucid_io::output::{self, read_image};
+use pellucid_io::output::{self, Inputs, read_image};
 use serde_json::json;
 
 use super::compare_profiles;
 use super::console::Console;
 use super::limit::{Limit, Slower, usage};
+use super::touched::{Touched, Touches};
 
 /// Amplification of the difference picture.
 const AMPLIFY: f64 = 10.0;
@@ -75,6 +76,13 @@ const METRICS: [(&str, Metric); 7] = [
     ("max", |found| found.max.value),
     ("above_1_255", |found| found.above_1_255),
 ];
+
+impl Touches for CompareArgs {
+    fn touched(&self) -> Result<Touched> {
+        let inputs = Inputs::default().with([&self.a, &self.b]);
+        Ok(Touched::reads(inputs).writes("-o", self.output.as_deref()))
+    }
+}
 
 pub fn run(args: CompareArgs, console: Console) -> Result<ExitCode> {
     let limits = Limit::all(&args.fail_above, &args.fail_below)?;

@@ -6,11 +6,18 @@ use pellucid_engine::Result;
 
 use super::Cli;
 use super::console::Console;
+use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
     /// The shell.
     shell: Shell,
+}
+
+impl Touches for CompletionsArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::default())
+    }
 }
 
 pub fn run(args: CompletionsArgs, console: Console) -> Result<()> {

@@ -6,6 +6,7 @@ use pellucid_gpu as gpu;
 use serde_json::json;
 
 use super::console::Console;
+use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
 pub struct DevicesArgs {
@@ -25,6 +26,12 @@ fn slow_mesa(driver: &str) -> Option<&str> {
     let version = driver.strip_prefix("llvmpipe Mesa ")?.split_whitespace().next()?;
     let major = version.split('.').next()?.parse::<u32>().ok()?;
     (major < FAST_MESA).then_some(version)
+}
+
+impl Touches for DevicesArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::default())
+    }
 }
 
 pub fn run(args: DevicesArgs, console: Console) -> Result<()> {

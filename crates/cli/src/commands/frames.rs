@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pellucid_engine::Result;
+use pellucid_io::output::Output;
 
 use super::limit;
 
@@ -29,7 +30,7 @@ impl Naming {
 }
 
 /// A file name with one number in it.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     folder: PathBuf,
     before: String,
@@ -86,12 +87,40 @@ impl Pattern {
         Ok(Self { folder, before, after, width, zeros })
     }
 
-    /// The file of a number.
-    pub fn file(&self, number: usize) -> PathBuf {
+    /// All files, as an output.
+    pub fn output(&self) -> Output {
+        let shown = self.shown();
+        let (pattern, folder) = (self.clone(), self.folder.clone());
+        Output::files("-o", &shown, &folder, move |name| pattern.name_like(name))
+    }
+
+    /// The pattern as it may be given.
+    fn shown(&self) -> PathBuf {
         let Self { folder, before, after, width, zeros } = self;
+        let escaped = |text: &str| text.replace('%', "%%");
+        let (zero, width) = (if *zeros { "0" } else { "" }, if *width > 0 { width.to_string() } else { String::new() });
+        folder.join(format!("{}%{zero}{width}d{}", escaped(before), escaped(after)))
+    }
+
+    /// Returns the name of a file of the sequence that differs from `name` at most in letter case.
+    fn name_like(&self, name: &str) -> Option<String> {
+        let low = name.to_lowercase();
+        let rest = low.strip_prefix(&self.before.to_lowercase())?.strip_suffix(&self.after.to_lowercase())?;
+        let own = self.name(rest.trim_start().parse().ok()?);
+        (own.to_lowercase() == low).then_some(own)
+    }
+
+    /// The name of the file of a number.
+    fn name(&self, number: usize) -> String {
+        let Self { before, after, width, zeros, .. } = self;
         let width = *width;
         let number = if *zeros { format!("{number:0width$}") } else { format!("{number:width$}") };
-        folder.join(format!("{before}{number}{after}"))
+        format!("{before}{number}{after}")
+    }
+
+    /// The file of a number.
+    pub fn file(&self, number: usize) -> PathBuf {
+        self.folder.join(self.name(number))
     }
 }
 
@@ -106,6 +135,19 @@ mod tests {
         assert_eq!(file("a%b/%d.exr", 12), Path::new("a%b/12.exr"));
         assert_eq!(file("100%%_%3d%%.png", 7), Path::new("100%_  7%.png"));
         assert_eq!(file("%02d", 123), Path::new("123"));
+    }
+
+    #[test]
+    fn names_of_a_sequence_are_known_in_either_case() {
+        let pattern = Pattern::parse(Path::new("a/Frame_%03d%%.png"), Naming::Frames).unwrap();
+        assert_eq!(pattern.shown(), Path::new("a/Frame_%03d%%.png"));
+        assert_eq!(pattern.name_like("frame_012%.PNG").as_deref(), Some("Frame_012%.png"));
+        assert_eq!(pattern.name_like("Frame_1234%.png").as_deref(), Some("Frame_1234%.png"));
+        for other in ["Frame_12%.png", "Frame_%.png", "Frame_012.png", "Frame_+12%.png", "x"] {
+            assert_eq!(pattern.name_like(other), None, "{other}");
+        }
+        let spaces = Pattern::parse(Path::new("%3d.png"), Naming::Steps).unwrap();
+        assert_eq!((spaces.name_like("  7.png").as_deref(), spaces.name_like("7.png")), (Some("  7.png"), None));
     }
 
     #[test]

@@ -12,6 +12,7 @@ use clap::Args;
 use pellucid_core::cloud::shadow_texture::Casting;
 use pellucid_core::cloud::{Cloud, Prepared};
 use pellucid_engine::Result;
+use pellucid_io::output::Inputs;
 use pellucid_io::{self as io, ColumnNames, Hints};
 use pellucid_scene::prepare::outliers::{self, Rule};
 use pellucid_scene::{Light, Outliers, Strays};
@@ -20,6 +21,7 @@ use serde_json::{Value, json};
 use super::bar::Bar;
 use super::console::Console;
 use super::limit::usage;
+use super::touched::{Touched, Touches};
 use facts::Facts;
 
 /// Prints the points, bounds and attributes of files, the points of each class, histograms of height and intensity
@@ -57,6 +59,12 @@ pub struct InfoArgs {
     /// Several files become an array, each with `file`.
     #[arg(long)]
     json: bool,
+}
+
+impl Touches for InfoArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::reads(Inputs::default().with(&self.files)))
+    }
 }
 
 pub fn run(args: InfoArgs, console: Console) -> Result<()> {

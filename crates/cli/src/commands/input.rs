@@ -7,6 +7,7 @@ use clap::Args;
 use pellucid_core::progress::Phase;
 use pellucid_engine::Result;
 use pellucid_engine::methods::see_through;
+use pellucid_io::output::Inputs;
 use pellucid_io::{LEAST_MEMORY, memory_for_points};
 use pellucid_scene::{self as scene, DEFAULT_SCENE, Family, Named, Overrides, ViewName};
 use pellucid_session::{Limits, Request, Residence, SeeThrough, SeeThroughBy};
@@ -169,12 +170,35 @@ fn set_help() -> String {
 
 impl InputArgs {
     /// The file or pattern that pictures of these inputs are written to if no other is named: after the first input,
-    /// here.
+    /// here. If that is the name of a file that is read, `.render` stands in it too.
     pub fn default_output(&self, end: &str) -> PathBuf {
-        let stem = self.inputs.first().and_then(|input| input.file_stem());
-        let mut name = stem.unwrap_or(DEFAULT_SCENE.as_ref()).to_owned();
-        name.push(end);
-        name.into()
+        let stem = self.inputs.first().and_then(|input| input.file_stem()).unwrap_or(DEFAULT_SCENE.as_ref());
+        let named = |middle: &str| {
+            let mut name = stem.to_owned();
+            name.push(middle);
+            name.push(end);
+            name
+        };
+        let name = named("");
+        let is_taken = self.files().iter().any(|file| file.file_name().is_some_and(|n| n.eq_ignore_ascii_case(&name)));
+        if is_taken { named(".render").into() } else { name.into() }
+    }
+
+    /// The inputs, and the files that a scene file among them names. A scene that can't be read names none, which is
+    /// said by whoever reads it in the end.
+    fn files(&self) -> Vec<PathBuf> {
+        let mut files = self.inputs.clone();
+        // Of the built-in scene only options name files.
+        if !self.inputs.is_empty() || !self.set.is_empty() {
+            let named = self.overrides(None).ok().and_then(|all| scene::name(&self.inputs, &all, self.seed).ok());
+            files.extend(named.into_iter().flat_map(|named| named.document.named_files()));
+        }
+        files
+    }
+
+    /// The files that are read.
+    pub fn reads(&self) -> Inputs {
+        Inputs::default().with(self.files())
     }
 
     /// The options as keys of the scene file; `size` counts where `--size` is not given.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::Stop;
-use pellucid_io::output;
+use pellucid_io::output::{self, Output};
 use pellucid_session::choice::Wish;
 use pellucid_session::{FrameRequest, Request};
 
@@ -71,11 +71,25 @@ pub enum Target {
 impl Target {
     /// Checks that the options fit together and that the first picture could be written in the end.
     pub fn new(args: &RenderArgs) -> Result<Self> {
+        let target = Self::named(args)?;
+        if let Self::Frames(_, films) = &target {
+            films.check_targets()?;
+        }
+        // The folder of a film's frames need not be there yet.
+        if !matches!(&target, Self::Frames(_, films) if films.has_folder()) {
+            output::check_target(&target.first())?;
+        }
+        args.popping.iter().try_for_each(|path| output::check_folder(path))?;
+        Ok(target)
+    }
+
+    /// Returns the target that the options name, if they fit together.
+    pub fn named(args: &RenderArgs) -> Result<Self> {
         let given = args.output.clone();
         if args.along.option().is_none() {
             args.films.refuse(given.as_deref())?;
         }
-        let target = match (args.along.option(), args.frames) {
+        Ok(match (args.along.option(), args.frames) {
             (Some(option), Some(None)) => {
                 return Err(usage(format!("--frames needs the number of frames beside {option}, as in --frames 36")));
             }
@@ -108,13 +122,16 @@ impl Target {
                 Self::Steps(Pattern::parse(&pattern, Naming::Steps)?)
             }
             (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output(".png"))),
-        };
-        // The folder of a film's frames need not be there yet.
-        if !matches!(&target, Self::Frames(_, films) if films.has_folder()) {
-            output::check_target(&target.first())?;
+        })
+    }
+
+    /// Everything that is written.
+    pub fn writes(&self) -> Vec<Output> {
+        match self {
+            Self::One(path) => vec![Output::file("-o", path)],
+            Self::Steps(pattern) => vec![pattern.output()],
+            Self::Frames(pattern, films) => films.outputs().chain([pattern.output()]).collect(),
         }
-        args.popping.iter().try_for_each(|path| output::check_folder(path))?;
-        Ok(target)
     }
 
     /// Refuses options that don't go together or with the machine, and names those without an effect, before anything

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 use pellucid_engine::Result;
-use pellucid_io::output::{Files, check_report_folder, make_folder};
+use pellucid_io::output::{Files, Output, check_report_folder, make_folder};
 
 use super::Cli;
 use super::console::Console;
+use super::touched::{Touched, Touches};
 
 /// The day of the release, in the pages' footer. Without one, `man` shows the version in its place.
 const RELEASED: &str = "2026-11-27";
@@ -18,6 +19,12 @@ pub struct ManArgs {
     /// Folder for the pages, `pellucid.1`, `pellucid-render.1` and so on; created if it isn't there.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+}
+
+impl Touches for ManArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::default().and([Output::folder("", &self.folder, &[".1"])]))
+    }
 }
 
 pub fn run(args: ManArgs, console: Console) -> Result<()> {

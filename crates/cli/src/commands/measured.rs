@@ -84,6 +84,13 @@ impl FrameProfiles {
     }
 }
 
+/// The file that keeps the measurements of a profile's frames until all are done.
+pub fn partial(profile: &Path) -> PathBuf {
+    let mut name = profile.as_os_str().to_owned();
+    name.push(".partial");
+    name.into()
+}
+
 /// The measurements' destination, and the file beside it that keeps one line per frame until all frames are done.
 pub struct Journal {
     path: PathBuf,
@@ -97,9 +104,7 @@ impl Journal {
     /// # Errors
     /// The file of lines can't be read or written.
     pub fn open(path: &Path, identities: &[String], there: &[bool]) -> Result<(Self, FrameProfiles)> {
-        let mut name = path.as_os_str().to_owned();
-        name.push(".partial");
-        let lines = PathBuf::from(name);
+        let lines = partial(path);
         let mut measured = FrameProfiles::default();
         // Files that are not there, or of something else, hold nothing that is wanted.
         if let Ok(bytes) = fs::read(path)

@@ -39,6 +39,7 @@ mod scene;
 mod sequence;
 mod stress;
 mod tables;
+mod touched;
 mod tradeoff;
 mod typed;
 #[cfg(feature = "viewer")]
@@ -52,6 +53,7 @@ use clap::{Args, Parser, Subcommand};
 
 use console::{Console, Streams};
 pub use error::Error;
+use touched::{Touched, Touches};
 
 /// Render point clouds you can see through, with exact transparency and every GPU pass timed.
 #[derive(Debug, Parser)]
@@ -93,7 +95,15 @@ macro_rules! commands {
                 }
             }
 
+            /// The files that the command reads and writes.
+            fn touched(&self) -> pellucid_engine::Result<Touched> {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$name(args) => args.touched(),)+
+                }
+            }
+
             fn run(self, console: Console) -> Result<ExitCode, Error> {
+                self.touched()?.check()?;
                 Ok(match self {
                     $($(#[cfg($cfg)])? Self::$name(args) => $module::run(args, console)?.report(),)+
                 })

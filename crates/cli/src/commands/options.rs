@@ -9,7 +9,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pellucid_core::progress::Phase;
 use pellucid_engine::Result;
 use pellucid_gpu::{Device, DeviceOptions};
-use pellucid_io::output;
+use pellucid_io::output::{self, Output};
 use serde_json::Value;
 
 use super::bar::Bar;
@@ -65,6 +65,12 @@ impl MeasureArgs {
     /// True if passes have to be timed.
     pub fn is_asked(&self) -> bool {
         self.profile.is_some() || self.trace.is_some()
+    }
+
+    /// The files that are written.
+    pub fn writes(&self) -> impl Iterator<Item = Output> {
+        let files = [("--profile", &self.profile), ("--trace", &self.trace)];
+        files.into_iter().filter_map(|(option, path)| Some(Output::file(option, path.as_deref()?)))
     }
 
     /// Refuses files that could not be written in the end.

@@ -9,6 +9,7 @@ use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
 use super::options::DeviceArgs;
+use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
 pub struct PlanArgs {
@@ -27,6 +28,12 @@ impl PlanArgs {
         let frame = FrameRequest { memory_budget: self.device.budget(), counts: true, ..FrameRequest::default() };
         let request = Request { frame, ..self.input.request(None, progress)? };
         Prepared::new(request, progress, progress)
+    }
+}
+
+impl Touches for PlanArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::reads(self.input.reads()))
     }
 }
 

@@ -12,7 +12,8 @@ use pellucid_core::cloud::{Cloud, Prepared};
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_io as io;
-use pellucid_io::output;
+use pellucid_io::output::{self, Inputs, Output};
+use pellucid_io::store::OCTREE_FILES;
 use pellucid_scene::prepare;
 use pellucid_scene::{self as scene, CloudSettings, Overrides, Scene};
 
@@ -20,6 +21,7 @@ use super::console::Console;
 use super::limit::usage;
 use super::options::{DeviceArgs, device};
 use super::prepare_store;
+use super::touched::{Touched, Touches};
 
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F
 /// in [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use
@@ -44,7 +46,7 @@ pub struct PrepareArgs {
     inputs: Vec<PathBuf>,
     /// Output: a PLY file, or a folder for an octree.
     ///
-    /// A binary PLY (.ply) holds all columns of the cloud, `radius` and `field`; it may replace the input. A name
+    /// A binary PLY (.ply) holds all columns of the cloud, `radius` and `field`. It must not be the input. A name
     /// without an extension, or one that ends in /, is the folder of a store, an octree of Potree 2.0 for clouds larger
     /// than memory. docs/prepared-clouds.md describes both.
     #[arg(short, long, value_name = "OUT")]
@@ -204,6 +206,17 @@ impl PrepareArgs {
         device.check_validation()?;
         let casting = casting.ok_or_else(|| usage("this light casts no shadows".to_owned()))?;
         Ok(ShadowTexture { casting, lit })
+    }
+}
+
+impl Touches for PrepareArgs {
+    fn touched(&self) -> Result<Touched> {
+        let written = if prepare_store::is_store(&self.output) {
+            Output::folder("-o", &self.output, &OCTREE_FILES)
+        } else {
+            Output::file("-o", &self.output)
+        };
+        Ok(Touched::reads(Inputs::default().with(&self.inputs)).and([written]))
     }
 }
 

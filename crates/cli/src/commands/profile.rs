@@ -12,6 +12,7 @@ use super::console::Console;
 use super::input::InputArgs;
 use super::measured::FrameProfiles;
 use super::options::{DeviceArgs, MeasureArgs, one_of};
+use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
 pub struct ProfileArgs {
@@ -57,6 +58,12 @@ impl ProfileArgs {
         let prepared = Prepared::new(request, progress, progress)?;
         let cameras = vec![prepared.camera; self.frames.unwrap_or(DEFAULT_FRAMES) as usize];
         Ok((prepared, cameras))
+    }
+}
+
+impl Touches for ProfileArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::reads(self.along.reads(&self.input)).and(self.measure.writes()))
     }
 }
 

@@ -15,7 +15,8 @@ use super::headings::{FRAMES, METHOD, OUTPUT};
 use super::input::InputArgs;
 use super::job::{RenderJob, Target};
 use super::options::{DeviceArgs, MeasureArgs, number};
-use super::{picture, sequence};
+use super::touched::{Touched, Touches};
+use super::{measured, picture, sequence};
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -130,6 +131,16 @@ impl ChoiceArgs {
     /// True if the method is chosen by what it must keep to.
     pub fn is_given(&self) -> bool {
         self.max_error.is_some() || self.budget.is_some() || self.recalibrate
+    }
+}
+
+impl Touches for RenderArgs {
+    fn touched(&self) -> pellucid_engine::Result<Touched> {
+        let target = Target::named(self)?;
+        let touched = Touched::reads(self.along.reads(&self.input)).and(target.writes()).and(self.measure.writes());
+        let partial = self.measure.profile.as_deref().filter(|_| matches!(target, Target::Frames(..)));
+        let partial = partial.map(measured::partial);
+        Ok(touched.writes("--popping", self.popping.as_deref()).writes("--profile", partial.as_deref()))
     }
 }
 

@@ -7,7 +7,7 @@ use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::Result;
 use pellucid_io as io;
-use pellucid_io::output;
+use pellucid_io::output::{self, Inputs, Output};
 use pellucid_io::volume::{Dims, Scalar};
 use pellucid_scene as scene;
 use pellucid_scene::procedural::{self, BUILTINS, Generated, iso, terrain};
@@ -15,6 +15,7 @@ use pellucid_scene::procedural::{self, BUILTINS, Generated, iso, terrain};
 use super::console::Console;
 use super::limit::usage;
 use super::prepare_store;
+use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
 pub struct SceneArgs {
@@ -117,6 +118,14 @@ impl VolumeArgs {
             None => iso::built_in(),
         };
         Ok(Some(iso::build_iso(&volume, &self.values, parameters, seed).map_err(scene::Error::from)?))
+    }
+}
+
+impl Touches for SceneArgs {
+    fn touched(&self) -> Result<Touched> {
+        let inputs = Inputs::default().with(self.volume.volume.as_ref());
+        let written = self.output.as_ref().map(|folder| Output::folder("-o", folder, &["scene.toml", ".ply"]));
+        Ok(Touched::reads(inputs).and(written))
     }
 }
 

@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pellucid_engine::Result;
+use pellucid_io::output::Output;
 use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::stress::{self, Cell, Report, Settings, Slope, Sweep};
 use pellucid_scene::Method;
 
 use super::console::Console;
 use super::options::{DeviceArgs, device, number};
+use super::touched::{Touched, Touches};
 use super::typed::command;
 
 const ABOUT: &str = "\
@@ -78,6 +80,12 @@ impl StressArgs {
             memory_budget: self.device.budget(),
             ..default
         }
+    }
+}
+
+impl Touches for StressArgs {
+    fn touched(&self) -> Result<Touched> {
+        Ok(Touched::default().and([Output::folder("-o", &self.output, stress::FILES)]))
     }
 }
 

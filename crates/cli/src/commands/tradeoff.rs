@@ -9,7 +9,7 @@ use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Frame};
-use pellucid_io::output;
+use pellucid_io::output::{self, Output};
 use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::popping;
 use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options, Shaded, ShadedStep, Skipped, Tradeoff};
@@ -23,6 +23,7 @@ use super::input::InputArgs;
 use super::limit::usage;
 use super::options::{self, DeviceArgs};
 use super::stress::seconds;
+use super::touched::{Touched, Touches};
 use super::typed::command;
 
 const ABOUT: &str = "\
@@ -156,6 +157,13 @@ impl TradeoffArgs {
             0 | 1 => Err(usage(format!("{option} has one frame, but popping needs at least two"))),
             _ => Ok(()),
         }
+    }
+}
+
+impl Touches for TradeoffArgs {
+    fn touched(&self) -> Result<Touched> {
+        let written = Output::folder("-o", &self.output, tradeoff::FILES);
+        Ok(Touched::reads(self.along.reads(&self.input)).and([written]))
     }
 }
 

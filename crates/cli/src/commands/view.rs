@@ -12,6 +12,7 @@ use super::Error;
 use super::console::Console;
 use super::input::InputArgs;
 use super::options::{DeviceArgs, number};
+use super::touched::{Touched, Touches};
 
 /// Default size of the window, in columns and rows.
 const SIZE: [u32; 2] = [1280, 720];
@@ -38,6 +39,12 @@ pub struct ViewArgs {
     /// complete.
     #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = number(|x| *x > 0.0 && x.is_finite(), "expected a number above 0"))]
     budget: f64,
+}
+
+impl Touches for ViewArgs {
+    fn touched(&self) -> pellucid_engine::Result<Touched> {
+        Ok(Touched::reads(self.input.reads().with(self.path.iter().flat_map(|path| CameraSource::files(path)))))
+    }
 }
 
 pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {

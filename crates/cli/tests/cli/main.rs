@@ -22,6 +22,7 @@ mod formats;
 mod frames;
 mod gaussians;
 mod info;
+mod inputs;
 mod install;
 #[cfg(unix)]
 mod interrupted;
@@ -55,7 +56,7 @@ use glam::{DVec3, Vec3};
 use pellucid_cli::{Captured, Streams};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::image::Image;
-use pellucid_io::output::{WriteOptions, write_image};
+use pellucid_io::output::{Inputs, WriteOptions, write_image};
 use pellucid_scene::{ColorSpace, procedural};
 use pellucid_testing::{has_device, shader_cache};
 use tempfile::TempDir;
@@ -185,8 +186,13 @@ fn write_picture(path: &Path, width: u32, red: f32) {
         ..Image::default()
     };
     image.rgba[1][0] = red;
-    let options =
-        WriteOptions { background: Vec3::ZERO, color: ColorSpace::Linear, transparent: false, metadata: Vec::new() };
+    let options = WriteOptions {
+        background: Vec3::ZERO,
+        color: ColorSpace::Linear,
+        transparent: false,
+        metadata: Vec::new(),
+        inputs: Inputs::default(),
+    };
     write_image(path, &image, &options).unwrap();
 }
 

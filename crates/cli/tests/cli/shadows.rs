@@ -157,7 +157,8 @@ fn info_and_plan_tell_of_stored_shadows() {
         assert!(code == 0 && stderr.contains("[shadows] has no effect") && stderr.contains(why), "{stderr}");
         assert!(line(&text, "shadows/lit").contains(" off "), "{text}");
     }
-    done(&folder, &[&["prepare", "c.ply", "-o", "c.ply"], &LIGHT[..]].concat());
+    done(&folder, &[&["prepare", "c.ply", "-o", "lit.ply"], &LIGHT[..]].concat());
+    fs::rename(inside(&folder, "lit.ply"), inside(&folder, "c.ply")).unwrap();
     let lit = line(&plan(&[]), "shadows/lit");
     assert!(lit.contains(" off ") && lit.contains("the cloud already holds the light of each point"), "{lit}");
     let text = run(&folder, &["info", "c.ply"]).1;

@@ -3,6 +3,7 @@
 pub mod deep;
 mod exr;
 mod file;
+mod inputs;
 mod png;
 mod read;
 pub mod room;
@@ -14,6 +15,7 @@ use bytesize::ByteSize;
 use glam::Vec3;
 
 pub use file::{Files, check_folder, check_report_folder, make_folder, write_atomically};
+pub use inputs::{Inputs, Output};
 pub use png::{raster, to_byte};
 pub use read::read_image;
 pub use tag::metadata;
@@ -78,6 +80,12 @@ pub enum Error {
         path = path.display()
     )]
     Foreign { path: PathBuf, count: usize },
+    /// An output would replace an input.
+    #[error("{output}: this would replace the input {input}; give the output another name", input = input.display())]
+    Input { output: String, input: PathBuf },
+    /// Two outputs of one command are the same file.
+    #[error("{a} and {b}: both are the same file; give each another name")]
+    SameOutput { a: String, b: String },
     /// A part of a report could not be made.
     #[error("the report: {reason}")]
     Report { reason: String },
@@ -87,10 +95,10 @@ pub enum Error {
 }
 
 impl Error {
-    /// 2 for an unknown extension, else 1.
+    /// 2 for an unknown extension and for an output that is an input or another output, else 1.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::UnknownExtension { .. } => 2,
+            Self::UnknownExtension { .. } | Self::Input { .. } | Self::SameOutput { .. } => 2,
             _ => 1,
         }
     }
@@ -107,6 +115,8 @@ pub struct WriteOptions {
     pub transparent: bool,
     /// Names and values, in the order in which a PNG lists them (EXR: by name).
     pub metadata: Vec<(String, String)>,
+    /// Files that the image was made of, which it must not replace.
+    pub inputs: Inputs,
 }
 
 /// Returns the metadata of an image: the inputs as named by the user, the method used, the scene's keys as JSON
@@ -188,9 +198,11 @@ fn check_bytes(path: &Path, size: [u32; 2], each: u64) -> Result<(), Error> {
 /// `stderr.R`, `stderr.G`, `stderr.B`; ZIP, which is lossless.
 ///
 /// # Errors
-/// Returns the errors of [`check_target`], and errors of the system while writing; the earlier file then remains.
+/// Returns the errors of [`check_target`], an error for a path that is one of the image's inputs, and errors of the
+/// system while writing; the earlier file then remains.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = Format::from_extension(path)?;
+    options.inputs.refuse(path)?;
     let of = |is_there: bool, channels| if is_there { channels } else { 0 };
     let more = of(image.depth_median.is_some(), 1)
         + of(image.depth_mean.is_some(), 1)

@@ -21,6 +21,7 @@ mod spz;
 mod turn;
 
 pub(super) use gather::{Splat, Splats, from_coefficient, left_out, quaternion, reason};
+pub(crate) use gltf::decoded;
 pub(super) use sog::{META, is_folder};
 
 use std::path::Path;

@@ -45,6 +45,16 @@ pub use ply::PlyPieces;
 pub use tiles::Tiles;
 pub use whole::whole;
 
+/// Files of an octree.
+pub const OCTREE_FILES: [&str; 5] =
+    [octree::metadata::METADATA, octree::HIERARCHY, octree::POINTS, octree::nodes::NODES, octree::survey::SURVEY];
+
+/// Files and folders of a folder that is a store.
+pub(crate) const FILES: [&str; 8] = {
+    let [metadata, hierarchy, points, nodes, survey] = OCTREE_FILES;
+    [metadata, hierarchy, points, nodes, survey, "ept.json", "ept-data", "ept-hierarchy"]
+};
+
 /// Points of a node of a file in pieces, if the file has so many.
 const PIECE: u64 = 500_000;
 

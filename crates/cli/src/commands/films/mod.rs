@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use pellucid_core::atomic::Writer;
 use pellucid_engine::Result;
-use pellucid_io::output::{self, Files};
+use pellucid_io::output::{self, Files, Output};
 
 use super::bar::Bar;
 use super::console::Console;
@@ -139,9 +139,7 @@ impl FilmArgs {
             name.push(".frames");
             PathBuf::from(name)
         });
-        let films = Films { film, page: self.html.clone(), fps, folder };
-        films.check_targets()?;
-        Ok(films)
+        Ok(Films { film, page: self.html.clone(), fps, folder })
     }
 }
 
@@ -201,7 +199,14 @@ impl Films {
         self.folder.as_ref().map(pattern).transpose()
     }
 
-    fn check_targets(&self) -> Result<()> {
+    /// The film and the page, as outputs.
+    pub fn outputs(&self) -> impl Iterator<Item = Output> {
+        let film = self.film.iter().map(|(path, _)| Output::file("-o", path));
+        film.chain(self.page.iter().map(|path| Output::file("--html", path)))
+    }
+
+    /// Refuses files that could not be written in the end.
+    pub fn check_targets(&self) -> Result<()> {
         let films = self.film.iter().map(|(path, _)| path);
         films.chain(&self.page).try_for_each(|path| output::check_folder(path))?;
         self.folder.iter().try_for_each(|folder| output::check_report_folder(folder))?;

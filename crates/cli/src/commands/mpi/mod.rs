@@ -32,6 +32,7 @@ use super::limit::usage;
 use super::mpi_args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
 use super::options::DeviceArgs;
 use super::render::RenderArgs;
+use super::touched::{Touched, Touches};
 use super::{Error, VerbosityArgs};
 
 /// Parses the command line and runs its command on all ranks.
@@ -64,7 +65,8 @@ pub fn main() -> ExitCode {
         return worker::serve(device, &ranks).unwrap_or_else(|error| fail(&error.into(), &ranks));
     }
     let ranks = if spread.is_some() { ranks.leading() } else { ranks };
-    let done = match cli.command {
+    let touched = cli.command.touched().and_then(|touched| touched.check());
+    let done = together(&ranks, touched).and_then(|()| match cli.command {
         Command::Render { mut args, sharing, spread } => {
             args.input.residence = residence(&sharing, spread, args.along.option().is_some(), &ranks);
             render(args, &sharing, &ranks, console)
@@ -77,7 +79,7 @@ pub fn main() -> ExitCode {
             let count = count.map(|count| count as usize);
             plan::run(&args, &sharing, count, &ranks, console).map(|()| ExitCode::SUCCESS)
         }
-    };
+    });
     let done = match done {
         Ok(status) => status,
         Err(Error::Told(status)) => ExitCode::from(status),
@@ -104,6 +106,15 @@ fn fail(error: &Error, ranks: &Ranks) -> ! {
 }
 
 impl Command {
+    /// The files that the command reads and writes.
+    fn touched(&self) -> Result<Touched> {
+        match self {
+            Self::Render { args, .. } => args.touched(),
+            Self::Profile { args, .. } => args.touched(),
+            Self::Plan { args, .. } => args.touched(),
+        }
+    }
+
     /// The device that is asked for, if points are to be distributed over the ranks.
     fn spread(&self) -> Option<&DeviceArgs> {
         match self {

@@ -59,6 +59,12 @@ fn is_model(folder: &Path, extension: &str) -> bool {
     ["cameras", "images"].iter().all(|name| folder.join(name).with_extension(extension).is_file())
 }
 
+/// Returns the files of a model in both forms, of which those of one are read.
+pub fn files(folder: &Path) -> Vec<PathBuf> {
+    let names = ["cameras", "images", "points3D"].into_iter();
+    names.flat_map(|name| ["bin", "txt"].map(|extension| folder.join(name).with_extension(extension))).collect()
+}
+
 pub fn read(folder: &Path) -> Result<Cameras, Error> {
     let binary = is_model(folder, "bin");
     let file = |name: &str| folder.join(name).with_extension(if binary { "bin" } else { "txt" });

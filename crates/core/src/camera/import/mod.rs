@@ -13,7 +13,7 @@ mod trained;
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
@@ -100,6 +100,15 @@ impl CameraSource {
             )
         })?;
         Self::read_json(&json)
+    }
+
+    /// Returns the files that [`CameraSource::read`] reads.
+    pub fn files(path: &Path) -> Vec<PathBuf> {
+        match colmap::model(path) {
+            Some(folder) => colmap::files(&folder),
+            None if path.is_dir() => vec![path.join("transforms.json")],
+            None => vec![path.to_owned()],
+        }
     }
 
     fn read_json(path: &Path) -> Result<Self, Error> {

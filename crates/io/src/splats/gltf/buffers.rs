@@ -66,7 +66,7 @@ fn one<'a>(
 }
 
 /// The text of a URI: a percent sign and two digits stand for a byte.
-fn decoded(uri: &str) -> Option<String> {
+pub fn decoded(uri: &str) -> Option<String> {
     let mut parts = uri.split('%');
     let mut bytes = parts.next()?.as_bytes().to_vec();
     for part in parts {

@@ -10,6 +10,8 @@ mod document;
 mod nodes;
 mod primitive;
 
+pub(crate) use buffers::decoded;
+
 use super::{Splats, all_bytes, check_count};
 use crate::{Error, InputFile};
 use buffers::Buffers;

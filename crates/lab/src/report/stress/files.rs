@@ -179,6 +179,9 @@ impl Report<'_> {
     }
 }
 
+/// Files of the report; `.svg` stands for all figures.
+pub const FILES: &[&str] = &["report.html", "stress.csv", "stress.json", ".svg"];
+
 /// Writes `stress.csv`, `stress.json`, the figures and, last, `report.html` into a folder, which is created if needed.
 /// No file gets its final name before all are complete.
 ///

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use super::fit::{PowerLaw, power_law};
 use pellucid_scene::Method;
 
-pub use files::{Report, write};
+pub use files::{FILES, Report, write};
 pub use sweep::run;
 
 /// Built-in scene that gives the layers.

@@ -54,6 +54,18 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     records::csv(file, COLUMNS, measured.chain(report.skipped.iter().map(record)).chain(shaded))
 }
 
+/// Files of the report and of an interrupted run; `.svg` stands for all figures, `.png` for all pictures.
+pub const FILES: &[&str] = &[
+    "report.html",
+    "tradeoff.csv",
+    "tradeoff.json",
+    "tradeoff.partial.json",
+    "causes.csv",
+    "popping.csv",
+    ".svg",
+    ".png",
+];
+
 /// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, along a path `popping.csv`, `tradeoff.json`, the figures
 /// and, last, `report.html` into the folder of the pictures. No file gets its final name before all are complete.
 ///

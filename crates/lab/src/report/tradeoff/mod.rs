@@ -19,7 +19,7 @@ pub use pellucid_session::candidates::Skipped;
 use serde::{Deserialize, Serialize};
 
 pub use causes::{Cause, causes_table};
-pub use files::write;
+pub use files::{FILES, write};
 pub use looks::{Look, Worst};
 pub use measure::{ALONE_SHARE, FRAME_SHARE, MeasuredScene, Options, method_by_method, run};
 pub use partial::discard;
