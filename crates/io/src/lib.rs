@@ -60,6 +60,13 @@ pub enum Error {
     /// The system refused to open or read the file.
     #[error("{}: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
+    /// A pipe or a device.
+    #[error(
+        "{}: a pipe or a device, which can't be read here, since clouds are read from several places of a file; write it to a \
+         file first, as in `cat … > scan.laz`, and give the file's name",
+        .0.display()
+    )]
+    NotAFile(PathBuf),
     /// The file has no bytes at all.
     #[error("{}: empty file (0 bytes)", .0.display())]
     Empty(PathBuf),
@@ -324,6 +331,9 @@ impl InputFile {
             return Err(Error::Folder(owned));
         }
         // A pipe or a device has no length to check claims against.
+        if !metadata.is_file() {
+            return Err(Error::NotAFile(owned));
+        }
         if metadata.len() == 0 {
             return Err(Error::Empty(owned));
         }

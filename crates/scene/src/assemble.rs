@@ -12,6 +12,7 @@ use super::coloring::{self, Coloring, Colors, Scales};
 use super::error::Error;
 use super::gaussians;
 use super::legend::Legend;
+use super::nothing_left::{self, no_points};
 use super::procedural::Generated;
 use super::scene::Scene;
 use super::seen::{leave_out, seen};
@@ -156,12 +157,13 @@ fn merged(
     mut legend: Option<&mut Legend>,
 ) -> Result<Points, Error> {
     let (mut points, clips) = (Points::default(), Clips::load(&scene.clips)?);
+    let classes = nothing_left::classes(scene, &clouds);
     for (index, cloud) in clouds.into_iter().enumerate() {
         let from = CloudScope::Whole { needs_radii, progress, legend: legend.as_deref_mut() };
         points.append(transformed(scene, &clips, index, cloud, from)?);
     }
     if points.is_empty() {
-        return Err(no_points(scene, &points));
+        return Err(no_points(scene, &points, &classes));
     }
     progress.begin(Phase::Order);
     Ok(prepare::order::canonical(points))
@@ -202,6 +204,7 @@ fn arrange_explained(
         return merged(scene, clouds, scene.method.needs_radii(), progress, legend)
             .map(|points| Arranged::Canonical(Arc::new(points)));
     }
+    let classes = nothing_left::classes(scene, &clouds);
     let (each, clips) = (clouds.into_iter().enumerate(), Clips::load(&scene.clips)?);
     let placed = each.map(|(index, cloud)| {
         let from = CloudScope::Whole { needs_radii: false, progress, legend: legend.as_deref_mut() };
@@ -212,12 +215,7 @@ fn arrange_explained(
     progress.reset();
     progress.set_message("dealing points to ensembles");
     let dealt = ensembles::deal(placed, seed, progress);
-    if dealt.points.is_empty() { Err(no_points(scene, &dealt.points)) } else { Ok(Arranged::Dealt(dealt)) }
-}
-
-pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
-    let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-    Error::NoPoints { clouds: clouds.join(", "), hidden: points.unseen.positions.len() }
+    if dealt.points.is_empty() { Err(no_points(scene, &dealt.points, &classes)) } else { Ok(Arranged::Dealt(dealt)) }
 }
 
 /// Available part of a cloud.

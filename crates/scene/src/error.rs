@@ -76,8 +76,8 @@ pub enum Error {
     #[error(transparent)]
     Procedural(#[from] procedural::Error),
     /// No finite point is left after `translate` and `scale`, or none that may be seen.
-    #[error("{clouds}: {}", no_points(*.hidden))]
-    NoPoints { clouds: String, hidden: usize },
+    #[error("{clouds}: {reason}")]
+    NoPoints { clouds: String, reason: String },
     /// A cloud lacks what its field is made of.
     #[error("{path}: {source}", path = path.display())]
     Field { path: PathBuf, source: field::Error },
@@ -96,13 +96,6 @@ pub enum Error {
          `scale`"
     )]
     Extent { min: glam::DVec3, max: glam::DVec3 },
-}
-
-fn no_points(hidden: usize) -> String {
-    match hidden {
-        0 => "no finite point remains after `translate` and `scale`".to_owned(),
-        count => format!("no point remains to draw: `class` hides or `clip` cuts off all {count}"),
-    }
 }
 
 impl Error {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::broadest_side::broadest_side;
 use super::error::Error;
 use super::framed::Framed;
+use super::nothing_left::no_points;
 use super::range::MAX_COORDINATE;
 use super::scene::Scene;
 use super::settings::CameraSettings;
@@ -119,8 +120,7 @@ fn is_beyond(Bounds { min, max }: &Bounds) -> bool {
 /// Returns the part of a scene to frame.
 pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
     let (Some((framed, bounds)), Some(all)) = (Framed::of(scene, points), points.bounds()) else {
-        let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-        return Err(Error::NoPoints { clouds: clouds.join(", "), hidden: 0 });
+        return Err(no_points(scene, points, &[]));
     };
     if is_beyond(&bounds) {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });

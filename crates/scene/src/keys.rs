@@ -64,6 +64,27 @@ pub fn all_method_keys() -> Vec<&'static str> {
     keys
 }
 
+/// Returns the dotted paths of the tables' keys of this name, those of all methods as one.
+pub fn paths_of(key: &str) -> Vec<String> {
+    let of_methods = all_method_keys().contains(&key).then(|| format!("method.{key}"));
+    let tables = tables();
+    let tables = tables.iter().filter(|table| table.keys.iter().any(|known| known.name == key));
+    tables.map(|table| format!("{}.{key}", table.path)).chain(of_methods).collect()
+}
+
+/// Returns a phrase that names the tables which have a key that another one lacks, if there are any.
+pub(crate) fn elsewhere(key: &str, table: &str) -> Option<String> {
+    let paths = paths_of(key);
+    let segment = |segment| if str::parse::<usize>(segment).is_ok() { "*" } else { segment };
+    let table = table.split('.').map(segment).collect::<Vec<_>>().join(".");
+    let is_own = |path: &String| path.rsplit_once('.').is_some_and(|(other, _)| other == table);
+    if paths.is_empty() || paths.iter().any(is_own) {
+        return None;
+    }
+    let paths: Vec<_> = paths.iter().map(|path| format!("`{path}`")).collect();
+    Some(format!("; it should be {}", paths.join(" or ")))
+}
+
 /// Returns the pairs of keys that exclude each other, each with its table.
 pub(crate) fn rivals() -> Vec<[&'static str; 3]> {
     let named = tables().into_iter().flat_map(|table| table.keys.into_iter().map(move |key| (table.path, key)));

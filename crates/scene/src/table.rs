@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::error::{Error, Place};
+use super::keys::elsewhere;
 use super::range::Range;
-use super::tree::{Entries, Node, Value};
+use super::tree::{BACKSLASH_HELP, Entries, Node, Value};
 use pellucid_core::words::nearest;
 
 /// The context shared by all tables of one scene.
@@ -93,7 +94,7 @@ impl<'a> Table<'a> {
             Some((key, place)) => Err(Error::UnknownKey {
                 place: place.clone(),
                 key: self.path(key),
-                hint: nearest(key, known.iter().copied(), "known here"),
+                hint: elsewhere(key, &self.name).unwrap_or_else(|| nearest(key, known.iter().copied(), "known here")),
             }),
         }
     }
@@ -176,7 +177,18 @@ impl<'a> Table<'a> {
             return Ok(Some(path.clone()));
         }
         let from = |path: &str| self.context.folder.map_or_else(|| path.into(), |folder| folder.join(path));
-        Ok(self.string(key)?.map(from))
+        let path = self.string(key)?.map(|text| (text, from(text)));
+        if let (Some((text, path)), Some(node)) = (&path, self.get(key))
+            && text.contains(char::is_control)
+            && !path.exists()
+        {
+            return Err(self.error(
+                key,
+                node,
+                format!("names no file: {text:?} has a control character{BACKSLASH_HELP}"),
+            ));
+        }
+        Ok(path.map(|(_, path)| path))
     }
 
     /// Returns one of a few words, each with its meaning.

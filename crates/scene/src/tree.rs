@@ -127,11 +127,25 @@ pub(crate) fn parse(text: &str, path: &Path) -> Result<Node, Error> {
     let place = |offset| source.place(offset);
     let document = DeTable::parse(text).map_err(|error| Error::Syntax {
         place: source.place(error.span().map_or(0, |span| span.start)),
-        message: error.message().to_owned(),
+        message: format!("{}{}", error.message(), backslash_help(text, error.span())),
     })?;
     let start = document.span().start;
     Ok(Node { place: place(start), value: Value::Table(entries(document.into_inner(), &place)?) })
 }
+
+/// Advice about paths of Windows, if an error is about the escape that a backslash begins.
+fn backslash_help(text: &str, span: Option<std::ops::Range<usize>>) -> &'static str {
+    let before = |at: usize| text.as_bytes().get(at.saturating_sub(BEFORE_ESCAPE)..=at).unwrap_or_default();
+    let near = |at: usize| before(at).rsplit(|byte| *byte == b'\n').next().is_some_and(|line| line.contains(&b'\\'));
+    if span.is_some_and(|span| near(span.start)) { BACKSLASH_HELP } else { "" }
+}
+
+/// Bytes from the backslash of a wrong escape to where the parser stops, at most: `\U` and eight digits.
+const BEFORE_ESCAPE: usize = 9;
+
+/// Advice about a backslash in a text between double quotes.
+pub(crate) const BACKSLASH_HELP: &str = "; between double quotes a backslash begins an escape, so write a path between single \
+     quotes ('C:\\scans\\a.las') or with slashes (\"C:/scans/a.las\")";
 
 /// Parses the value of an option: TOML if it is any, else the text itself as a string.
 pub(crate) fn parse_value(text: &str, place: &Place) -> Result<Node, Error> {
@@ -224,6 +238,18 @@ mod tests {
         let error = parse("[image]\nsize = [1,\n[x", Path::new("s.toml")).unwrap_err();
         let Error::Syntax { place: Place::File { line, .. }, .. } = error else { panic!("{error:?}") };
         assert!(line >= 2, "line {line}");
+    }
+
+    #[test]
+    fn a_path_of_windows_gets_advice() {
+        for path in [r"C:\scans\a.las", r"C:\Users\a.las", r"C:\x.las"] {
+            let text = format!("[[cloud]]\npath = \"{path}\"\n");
+            let error = parse(&text, Path::new("s.toml")).unwrap_err().to_string();
+            assert!(error.starts_with("s.toml:2:") && error.contains("single quotes ('C:\\scans"), "{path}: {error}");
+            parse(&text.replace('"', "'"), Path::new("s.toml")).unwrap();
+        }
+        let other = parse("[[cloud]]\npath = \"a.las\n", Path::new("s.toml")).unwrap_err().to_string();
+        assert!(!other.contains("backslash"), "{other}");
     }
 
     #[test]

@@ -91,7 +91,8 @@ fn assemble(
     let (camera, warnings) = find(&assembled.scene, assembled.points(), assembled.up)?;
     let distance = |bounds: Bounds| (bounds.center() - camera.eye).dot(camera.forward);
     messages.detail(&camera.to_toml(assembled.points().bounds().map_or(1.0, distance)));
-    for warning in assembled.scene.warnings.iter().chain(&warnings) {
+    let odd = scene::odd_sizes(&assembled.scene, assembled.points());
+    for warning in assembled.scene.warnings.iter().chain(&warnings).chain(&odd) {
         messages.warn(warning);
     }
     Ok((assembled, camera))

@@ -441,7 +441,7 @@ fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32
 }
 
 fn no_points() -> pellucid_engine::Error {
-    scene::Error::NoPoints { clouds: "the scene".into(), hidden: 0 }.into()
+    scene::Error::NoPoints { clouds: "the scene".into(), reason: "there is no point to draw".into() }.into()
 }
 
 fn camera(scene: &Scene, pose: Pose, subject: &CameraSubject, points: &Points) -> Result<Camera> {

@@ -8,7 +8,7 @@ use pellucid_engine::Result;
 use pellucid_io::output;
 use pellucid_session::Messages;
 
-use super::bar::Bar;
+use super::bar::{Bar, Shows};
 
 /// The destination of a command's output.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +57,8 @@ impl Streams {
     pub fn print_stderr(self, line: impl Display) {
         match self {
             Self::Process => {
-                let _ = writeln!(io::stderr(), "{line}");
+                // In one piece, or another stream's lines would come between its parts.
+                let _ = io::stderr().write_all(format!("{line}\n").as_bytes());
             }
             Self::Captured(captured) => {
                 locked(captured).stderr.push_str(&format!("{line}\n"));
@@ -139,9 +140,15 @@ impl Console {
         self.print(&format!("{value:#}\n"))
     }
 
-    /// A progress bar: on a terminal only, and only once the work has lasted a second.
+    /// A progress bar once the work has lasted a second; without a terminal a line each ten seconds.
     pub fn progress(self) -> Bar {
-        Bar::new(self, !self.quiet && self.streams.is_process() && io::stderr().is_terminal())
+        let shows = match self.streams {
+            Streams::Process if self.quiet => Shows::Nothing,
+            Streams::Process if io::stderr().is_terminal() => Shows::Bar,
+            Streams::Process => Shows::Lines,
+            Streams::Captured(_) => Shows::Nothing,
+        };
+        Bar::new(self, shows)
     }
 }
 

@@ -87,7 +87,7 @@ impl Pattern {
         Ok(Self { folder, before, after, width, zeros })
     }
 
-    /// All files, as an output.
+    /// Returns all files as an output.
     pub fn output(&self) -> Output {
         let shown = self.shown();
         let (pattern, folder) = (self.clone(), self.folder.clone());

@@ -125,7 +125,7 @@ impl Target {
         })
     }
 
-    /// Everything that is written.
+    /// Returns the files that are written.
     pub fn writes(&self) -> Vec<Output> {
         match self {
             Self::One(path) => vec![Output::file("-o", path)],

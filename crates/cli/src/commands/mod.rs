@@ -42,6 +42,7 @@ mod tables;
 mod touched;
 mod tradeoff;
 mod typed;
+mod unknown;
 #[cfg(feature = "viewer")]
 mod view;
 mod view_args;
@@ -162,6 +163,7 @@ pub fn run_from(arguments: impl IntoIterator<Item = OsString>, streams: Streams)
     let Cli { command, verbosity } = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(stopped) => {
+            let stopped = unknown::advise(stopped);
             streams.print_usage(&stopped);
             return ExitCode::from(u8::try_from(stopped.exit_code()).unwrap_or(2));
         }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use pellucid_core::image::{Image, LinearImage};
+use pellucid_core::metrics::error_text;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer, Stop};
 use pellucid_io::output;
@@ -58,8 +59,11 @@ impl Popped {
         let curve = self.follower.curve(&self.followed);
         let exact = popping::named(&self.frame.method);
         console.note(format_args!(
-            "popping against {exact}: RMSE {:.2e} on the average, {:.2e} at worst (frame {}); mean FLIP {:.2e}",
-            curve.mean_rmse, curve.worst_rmse, curve.worst_frame, curve.mean_flip
+            "popping against {exact}: RMSE {} on the average, {} at worst (frame {}); mean FLIP {}",
+            error_text(curve.mean_rmse),
+            error_text(curve.worst_rmse),
+            curve.worst_frame,
+            error_text(curve.mean_flip)
         ));
         let found = Popping { exact, frames: frames as u32, curves: vec![curve], refused: Vec::new() };
         popping::write(&self.path, &found)?;

@@ -173,9 +173,9 @@ impl Preset {
         self.keys.iter().map(key).chain(see_through).chain(view)
     }
 
-    /// Says which keys it sets.
+    /// Says which keys it sets, one on a line.
     pub fn note(&self) -> String {
-        format!("preset {}: {}", self.name, self.settings().collect::<Vec<_>>().join("; "))
+        format!("preset {}:\n  {}", self.name, self.settings().collect::<Vec<_>>().join("\n  "))
     }
 }
 

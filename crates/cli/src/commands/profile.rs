@@ -1,5 +1,7 @@
 //! `pellucid profile`.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use pellucid_core::camera::Camera;
 use pellucid_engine::methods::{Rendered, Stop};
@@ -22,6 +24,9 @@ pub struct ProfileArgs {
     pub device: DeviceArgs,
     #[command(flatten)]
     pub measure: MeasureArgs,
+    /// Write the time of each pass and of each phase on the CPU as JSON; the same as --profile.
+    #[arg(short, long, value_name = "FILE.json", conflicts_with = "profile")]
+    output: Option<PathBuf>,
     /// Number of frames to measure; by default 5.
     ///
     /// With --path or --turntable the number of frames on the path. Each is measured once, and the JSON has its camera.
@@ -45,6 +50,14 @@ pub struct ProfileArgs {
 pub const DEFAULT_FRAMES: u32 = 5;
 
 impl ProfileArgs {
+    /// The files of measurements, of which `-o` may name one.
+    pub fn files(&mut self) -> &MeasureArgs {
+        if let Some(output) = self.output.take() {
+            self.measure.profile = Some(output);
+        }
+        &self.measure
+    }
+
     /// Reads the inputs, and finds the camera of each frame.
     pub fn prepare(&self, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
         let (memory_budget, stop) = (self.device.budget(), self.stop);
@@ -63,12 +76,14 @@ impl ProfileArgs {
 
 impl Touches for ProfileArgs {
     fn touched(&self) -> Result<Touched> {
-        Ok(Touched::reads(self.along.reads(&self.input)).and(self.measure.writes()))
+        Ok(Touched::reads(self.along.reads(&self.input))
+            .and(self.measure.writes())
+            .writes("-o", self.output.as_deref()))
     }
 }
 
-pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
-    args.measure.check()?;
+pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
+    args.files().check()?;
     let progress = console.progress();
     let (prepared, cameras) = args.prepare(&progress)?;
     let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use pellucid_core::image::MAX_SIDE;
 use pellucid_engine::Result;
 use pellucid_io::output::Output;
 use pellucid_lab::report::page::{self, ReportTable};
@@ -36,6 +37,11 @@ pub struct StressArgs {
     /// Measure only this method; repeatable. By default all four.
     #[arg(long, value_name = "NAME", value_parser = method_names())]
     method: Vec<String>,
+    /// Measure only images of this size, as in 512x512, which must be square; repeatable.
+    ///
+    /// By default 64x64, 256x256 and 1024x1024.
+    #[arg(long, value_name = "WxH", value_parser = side)]
+    size: Vec<u32>,
     /// Number of frames per median; by default 5.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
@@ -63,6 +69,16 @@ fn method_names() -> PossibleValuesParser {
     Method::transparent().iter().map(Method::name).collect::<Vec<_>>().into()
 }
 
+/// The side of a square image.
+fn side(size: &str) -> std::result::Result<u32, String> {
+    let sides = size.split_once(['x', 'X', '×']);
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    match sides.and_then(|(width, height)| Some((number(width)?, number(height)?))) {
+        Some((width, height)) if width == height && (1..=MAX_SIDE).contains(&width) => Ok(width),
+        _ => Err(format!("expected a square size with sides from 1 to {MAX_SIDE}, as in 512x512")),
+    }
+}
+
 pub fn seconds() -> impl TypedValueParser<Value = f64> {
     number(|x| *x > 0.0, "expected a number of seconds above 0")
 }
@@ -72,7 +88,11 @@ impl StressArgs {
         let asked = |method: &Method| self.method.is_empty() || self.method.iter().any(|name| name == method.name());
         let methods = Method::transparent().into_iter().filter(asked).collect();
         let default = if self.quick { Settings::quick(methods) } else { Settings::full(methods) };
+        let mut sides = self.size.clone();
+        sides.sort_unstable();
+        sides.dedup();
         Settings {
+            sides: if sides.is_empty() { default.sides } else { sides },
             frames: self.frames.unwrap_or(default.frames),
             max_fragments: self.max_fragments.unwrap_or(default.max_fragments),
             max_seconds: self.max_seconds.unwrap_or(default.max_seconds),
@@ -137,4 +157,30 @@ fn summary(sweep: &Sweep, folder: &Path) -> String {
         sweep.skipped.len(),
         folder.join("report.html").display()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: StressArgs,
+    }
+
+    #[test]
+    fn sizes_replace_those_of_the_sweep() {
+        let sides = |words: &[&str]| {
+            let line = Line::try_parse_from([&["stress"], words].concat());
+            line.map(|line| line.args.settings().sides).map_err(|error| error.to_string())
+        };
+        assert_eq!(sides(&[]), Ok(vec![64, 256, 1024]));
+        assert_eq!(sides(&["--quick", "--size", "512x512", "--size", "32X32"]), Ok(vec![32, 512]));
+        for wrong in ["512", "512x256", "0x0", "16385x16385", "axb"] {
+            assert!(sides(&["--size", wrong]).unwrap_err().contains("square size"), "{wrong}");
+        }
+    }
 }

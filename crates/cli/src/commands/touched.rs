@@ -61,7 +61,7 @@ mod tests {
     use super::super::{Cli, mpi_args};
     use super::*;
 
-    /// What becomes of the file that an option names.
+    /// Role of the file that an option names.
     enum Role {
         Read,
         /// Written, by a command with these arguments besides. `IN` is the input that the option names too, which ends
@@ -75,7 +75,7 @@ mod tests {
 
     use Role::{Alone, Folder, Read, Written};
 
-    /// Every option that names a file, by command and name.
+    /// Options that name files, by command and name.
     const ROLES: &[(&str, &str, Role)] = &[
         ("render", "inputs", Read),
         ("render", "path", Read),
@@ -86,6 +86,7 @@ mod tests {
         ("render", "popping", Written(".csv", &["IN", "--turntable", "--frames", "2"])),
         ("profile", "inputs", Read),
         ("profile", "path", Read),
+        ("profile", "output", Written(".json", &["IN"])),
         ("profile", "profile", Written(".json", &["IN"])),
         ("profile", "trace", Written(".json", &["IN"])),
         ("stress", "output", Alone),

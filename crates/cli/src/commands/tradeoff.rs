@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use pellucid_core::camera::Camera;
+use pellucid_core::metrics;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Frame};
@@ -243,7 +244,7 @@ fn warn_of_left_out(report: &Tradeoff, console: Console) {
 
 /// All rows, how much was skipped, and where the rest is.
 fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
-    let error = |error: f64| format!("{error:.2e}");
+    let error = metrics::error_text;
     let mib = |mib: f64| format!("{mib:.1}");
     let mut table = ReportTable::new(&report.rows)
         .text("front", |row| if row.front { "*" } else { "" })
@@ -267,7 +268,7 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
     let findings = report.findings.iter().map(|f| format!("{}\n  {}{}\n", f.claim, holds(f.holds), f.measured));
     let mut findings: String = findings.collect();
     if let Some(shaded) = &report.shaded {
-        let step = |step: &ShadedStep| format!("{}: {:.2} ms, RMSE {:.2e}", step.samples, step.ms.median, step.rmse);
+        let step = |step: &ShadedStep| format!("{}: {:.2} ms, RMSE {}", step.samples, step.ms.median, error(step.rmse));
         let steps: Vec<_> = shaded.steps.iter().map(step).collect();
         let Shaded { method, reference_samples, .. } = shaded;
         findings += &format!("shadows with {method} by samples, against {reference_samples}\n  {}\n", steps.join("; "));

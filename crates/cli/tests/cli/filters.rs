@@ -83,8 +83,19 @@ fn options_without_a_meaning_are_refused() {
         (["--classes", "2,300"], 2, ["--classes 2,300", "unknown class \"300\""]),
         (["--slice", "z=4"], 2, ["--slice z=4", "AXIS=FROM..TO"]),
         (["--slice", "z=4..2"], 2, ["--slice z=4..2", "`min` of a slab"]),
-        (["--slice", "z=9.."], 1, ["scan.ply: no point remains to draw", "`clip`"]),
-        (["--without", "2,5,6"], 1, ["scan.ply: no point remains to draw", "`class`"]),
+        (
+            ["--slice", "z=9.."],
+            1,
+            ["scan.ply: no point remains to draw: clips cut off all 3; the points extend over z 0.000 to 2.000", "\n"],
+        ),
+        (
+            ["--without", "2,5,6"],
+            1,
+            [
+                "scan.ply: no point remains to draw: hidden classes leave out all",
+                "classes 2 (ground), 5 (high-vegetation), 6 (building)",
+            ],
+        ),
         (["--color-by", "hight"], 1, ["scan.ply: no scalar `hight`", "did you mean `height`"]),
         (["--color-by", "intensity"], 1, ["color_by = \"intensity\"", "the file has no intensity"]),
         (["--colormap", "viridi"], 2, ["--colormap viridi", "\"viridis\""]),

@@ -81,3 +81,16 @@ fn the_picture_of_a_picture_has_a_name_of_its_own() {
     }
     assert!(["photo.png", "b.png"].iter().all(|name| fs::read(inside(&folder, name)).unwrap() == before));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_no_file_and_the_error_says_what_to_do() {
+    let folder = folder();
+    for command in ["info", "plan"] {
+        let output = pellucid(&folder, &[command, "/dev/stdin"]).write_stdin("0 0 0\n1 1 1\n").output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.starts_with("error: /dev/stdin: a pipe or a device"), "{stderr}");
+        assert!(stderr.contains("write it to a file first"), "{stderr}");
+    }
+}

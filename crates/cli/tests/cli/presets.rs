@@ -73,9 +73,11 @@ fn options_win_over_a_preset() {
         let (found, said) = picture(&folder, "scan.ply", &[&["--preset", "canopy"], options].concat());
         let off = found.iter().zip(wanted).map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f32::max);
         assert!(off < 1e-3, "{options:?}: {found:?}");
-        // One line, with everything that was set.
-        let first = "preset canopy: cloud.*.opacity = 0.05, unless an option gives surface_opacity; ";
-        assert!(said.starts_with(first) && said.lines().count() == 1, "{said}");
+        // A line for each key that was set.
+        let first =
+            "preset canopy:\n  cloud.*.opacity = 0.05, unless an option gives surface_opacity\n  cloud.*.radius_factor";
+        assert!(said.starts_with(first) && said.lines().count() == 14, "{said}");
+        assert!(said.lines().skip(1).all(|line| line.starts_with("  ")), "{said}");
     }
 }
 
@@ -103,7 +105,7 @@ fn every_preset_draws_with_classes_and_without() {
     for preset in ["canopy", "building", "indoor", "heritage", "model"] {
         for file in ["scan.ply", "plain.ply"] {
             let (_, said) = picture(&folder, file, &["--preset", preset]);
-            assert!(said.starts_with(&format!("preset {preset}: ")), "{said}");
+            assert!(said.starts_with(&format!("preset {preset}:\n  ")), "{said}");
             // Classes with opacities of their own need none that is found.
             let finds = match preset {
                 "model" => false,

@@ -138,3 +138,18 @@ fn differences(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
         }
     })
 }
+
+/// Returns an error for people: three digits, and `0` for none at all.
+pub fn error_text(error: f64) -> String {
+    if error == 0.0 { "0".to_owned() } else { format!("{error:.2e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_error_is_a_plain_zero() {
+        assert_eq!([0.0, -0.0, 0.0123456, 1e-9].map(error_text), ["0", "0", "1.23e-2", "1.00e-9"]);
+    }
+}

@@ -210,5 +210,8 @@ fn errors_in_clips_name_their_position() {
     }
     let none = scene_of("[[clip]]\nslab = { axis = 'x', min = 99 }");
     let error = assemble(&none, vec![cloud()], true, &Progress::hidden()).unwrap_err();
-    assert_eq!(error.to_string(), "a.ply: no point remains to draw: `class` hides or `clip` cuts off all 729");
+    assert_eq!(
+        error.to_string(),
+        "a.ply: no point remains to draw: clips cut off all 729; the points extend over x -4.000 to 4.000"
+    );
 }

@@ -35,6 +35,11 @@ impl<'s> Lines<'s> {
             }
             self.number += 1;
             self.read += read;
+            if self.bytes.trim_ascii_end().contains(&b'\r') {
+                return Err(self.malformed(
+                    "a carriage return within the line: old Macs ended lines so; convert them, as in `tr '\\r' '\\n' <in.xyz >out.xyz`",
+                ));
+            }
             if read == MAX_LINE && !self.bytes.ends_with(b"\n") {
                 return Err(self.malformed(format!(
                     "the line is longer than {MAX_LINE} bytes, so this is not a table of numbers"

@@ -1,6 +1,6 @@
 //! Text files of numbers, one point per line: XYZ, CSV, TXT and their like, PTS and PTX.
 //!
-//! Fields are separated by blanks, tabs, commas or semicolons; any line ending is accepted. Lines that start with `#`
+//! Fields are separated by blanks, tabs, commas or semicolons; lines end in LF or CR LF. Lines that start with `#`
 //! or `//` are ignored, except for names of columns right before the first point. The columns are named by the user, by
 //! a line of names, or inferred from their number and values; docs/formats.md has the rules. Colors and alphas share a
 //! common range: 1, 255 or 65535.

@@ -75,6 +75,7 @@ impl Head {
     /// Reads up to the first line of numbers and leaves it in `line`; `None` if the file has none.
     fn read(lines: &mut Lines, line: &mut String, given: Option<&ColumnNames>) -> Result<Option<Self>, Error> {
         let (mut remark, mut header, mut block) = (None, None, None);
+        let mut header_delimiter = None;
         let skipped = given.map(ColumnNames::skipped).unwrap_or_default();
         loop {
             if !lines.next(line)? {
@@ -85,13 +86,22 @@ impl Head {
             } else if let (None, None, Some(announced)) = (&block, &header, count(line)) {
                 block = Some(AnnouncedBlock::new(lines, announced)?);
             } else if header.is_none() && !is_numbers(line, &skipped) {
-                header = Some((lines.number, Delimiter::detect(line).names(line)));
+                let delimiter = Delimiter::detect(line);
+                header_delimiter = Some(delimiter);
+                header = Some((lines.number, delimiter.names(line)));
                 check_names(lines, header.as_ref(), given)?;
             } else {
                 break;
             }
         }
         let mut fields = Fields::detect(line, skipped);
+        if let (Some(Delimiter::Char(of_names)), Delimiter::Char(of_values)) = (header_delimiter, fields.delimiter)
+            && of_names != of_values
+        {
+            return Err(lines.malformed(format!(
+                "the values are separated by {of_values:?}, but the names before them by {of_names:?}; write one of them throughout"
+            )));
+        }
         let mut row = Vec::new();
         fields.numbers(line, &mut row).map_err(|fault| lines.wrong(fault))?;
         let columns = match (given, &header) {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use pellucid_core::color::ColorSpace;
 use pellucid_core::color::{decode_srgb, encode_srgb};
 use pellucid_core::image::Image;
-use pellucid_io::output::{Error, WriteOptions, check_target, read_image, write_atomically, write_image};
+use pellucid_io::output::{Error, Inputs, WriteOptions, check_target, read_image, write_atomically, write_image};
 
 fn options() -> WriteOptions {
     let metadata = ["scene", "method", "settings", "device", "version", "seed"];
@@ -16,6 +16,7 @@ fn options() -> WriteOptions {
         color: ColorSpace::Linear,
         transparent: false,
         metadata: metadata.map(|key| (format!("pellucid:{key}"), format!("value of {key} äλ"))).into(),
+        inputs: Inputs::default(),
     }
 }
 
@@ -318,4 +319,19 @@ fn a_size_that_the_file_cannot_hold_is_refused_before_anything_is_allocated() {
         bytes[start + 12..start + 16].copy_from_slice(&16_383u32.to_le_bytes());
     }
     refused("a.exr", &bytes);
+}
+
+#[test]
+fn a_picture_never_replaces_what_it_was_made_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let [photo, other] = ["photo.png", "other.png"].map(|name| folder.path().join(name));
+    fs::write(&photo, "the photograph").unwrap();
+    let options = WriteOptions { inputs: Inputs::default().with([&photo]), ..options() };
+    for path in [&photo, &folder.path().join("./photo.png")] {
+        let error = write_image(path, &frame(), &options).unwrap_err();
+        assert!(matches!(error, Error::Input { .. }) && error.exit_status() == 2, "{error}");
+        assert!(error.to_string().contains("this would replace the input"), "{error}");
+    }
+    assert_eq!(fs::read(&photo).unwrap(), b"the photograph");
+    write_image(&other, &frame(), &options).unwrap();
 }

@@ -17,12 +17,13 @@ use rayon::prelude::*;
 
 use self::cloud::StoredCloud;
 pub use self::survey::OpenStore;
-use super::assemble::{most_frequent, no_points};
+use super::assemble::most_frequent;
 use super::cache::Cache;
 use super::clip::Clips;
 use super::error::Error;
 use super::gaussians;
 use super::legend::Legend;
+use super::nothing_left::no_points;
 use super::scene::Scene;
 use super::settings::{CloudSettings, ShadingModel};
 use crate::prepare::dealt_file::{self, DealtFile};
@@ -182,7 +183,7 @@ impl Stored {
         }
         let bounds = clouds.iter().filter_map(StoredCloud::bounds).reduce(Bounds::union);
         let bounds = bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
-        let bounds = bounds.ok_or_else(|| no_points(&scene, &sample))?;
+        let bounds = bounds.ok_or_else(|| no_points(&scene, &sample, &[]))?;
         let (blocks, places) = blocks(&scene, &clouds);
         let sampling = Sampling::of(count);
         let sample = sample.taken_by(sampling);
@@ -257,7 +258,7 @@ impl Stored {
         };
         let file = DealtFile::deal(sources.collect(), &settings, progress)?;
         if file.is_empty() {
-            return Err(no_points(&nodes.scene, &self.sample).into());
+            return Err(no_points(&nodes.scene, &self.sample, &[]).into());
         }
         let supply = Arc::clone(nodes) as Arc<dyn Supply>;
         Ok(Arranged::Supplied(Supplied { supply, sample: Arc::clone(&self.sample), dealt: Some(Arc::new(file)) }))

@@ -24,6 +24,7 @@ use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
 use super::gaussians;
 use super::legend::Legend;
+use super::nothing_left::{self, no_points};
 use super::scene::Scene;
 use super::seen::{leave_out, seen};
 use super::settings::{ClassSettings, Clip, CloudSettings, ColorSettings, Outliers, Selection};
@@ -311,7 +312,7 @@ impl Tracked {
             (Arranged::Canonical(Arc::new(points)), Trace { origins: Vec::new(), ties })
         };
         if arranged.points().is_empty() {
-            return Err(assemble::no_points(scene, arranged.points()));
+            return Err(no_points(scene, arranged.points(), &nothing_left::classes(scene, clouds)));
         }
         Ok(Self { arranged, placement, column_keys, dealt: trace.origins, ties: trace.ties, origins })
     }

@@ -129,7 +129,10 @@ fn entries_with_missing_or_surplus_keys_are_errors() {
     let none =
         scene_of("[[cloud]]\npath = 'a'\nradius = 1\n[[cloud.class]]\nid = 2\nvisible = false", &Overrides::default());
     let error = assemble(&none, vec![cloud(&[2, 2])], true, &Progress::hidden()).unwrap_err();
-    assert_eq!(error.to_string(), "a: no point remains to draw: `class` hides or `clip` cuts off all 2");
+    assert_eq!(
+        error.to_string(),
+        "a: no point remains to draw: hidden classes leave out all 2; the points have class 2 (ground)"
+    );
     let missing = scene_of(
         "[[cloud]]\npath = 'a'\n[[cloud.class]]\nscalar = 'dosis'\nrange = [0, 1]\nopacity = 0",
         &Overrides::default(),

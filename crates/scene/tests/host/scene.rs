@@ -110,6 +110,18 @@ fn an_unknown_key_names_line_column_and_the_nearest_key() {
     let message = refused("[[cloud]]\npath = \"a.ply\"\n  opactiy = 0.5\n");
     assert_eq!(message, "dir/s.toml:3:3: unknown key `cloud.0.opactiy`; did you mean `opacity`?");
     assert!(refused("[imge]\n").starts_with("dir/s.toml:1:2: unknown key `imge`; did you mean `image`?"));
+    for (text, paths) in [
+        ("shape = 'flat'\n", "`method.shape`"),
+        ("opacity = 0.5\n", "`cloud.*.opacity`"),
+        ("[image]\neye = [0, 0, 0]\n", "`camera.eye`"),
+        ("[[cloud]]\npath = 'a'\nsize = 2\n", "`image.size` or `method.size`"),
+    ] {
+        let message = refused(text);
+        assert!(message.ends_with(&format!("; it should be {paths}")), "{message}");
+    }
+    let message = refused("[[cloud]]\npath = \"C:\\temp.las\"\n");
+    assert!(message.contains("names no file: \"C:\\temp.las\" has a control character"), "{message}");
+    assert!(message.contains("single quotes"), "{message}");
     assert!(refused(&format!("[method]\nname = \"abuffer\"\nshap = \"flat\"\n{CLOUD}")).contains(":3:1: "));
     assert!(refused("[shading]\nlight = { positon = [0, 0, 1] }").contains("did you mean `position`?"));
 }

@@ -51,6 +51,9 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
     (found.settings, found.skipped)
 }
 
+/// Limit on radii in pixels that is above those of all discs of an image, but for discs that cover it whole.
+const UNCLAMPED: f32 = 1e9;
+
 impl ApplicableSettings {
     fn skip(&mut self, method: Method, reason: &str) {
         self.skipped.push(Setting::single(method, "").skipped(reason));
@@ -102,8 +105,8 @@ impl ApplicableSettings {
 
     /// Opaque discs that face the screen: without the clamp of opaque splats their image is that of the A-buffer.
     fn circles(&mut self, occasion: &Occasion) {
-        let unclamped = ScreenSplats { max_pixel_radius: f32::MAX, ..ScreenSplats::default() };
-        let circles = Setting::single(Method::Circles(unclamped), &format!("method.max_pixel_radius={:e}", f32::MAX));
+        let unclamped = ScreenSplats { max_pixel_radius: UNCLAMPED, ..ScreenSplats::default() };
+        let circles = Setting::single(Method::Circles(unclamped), &format!("method.max_pixel_radius={UNCLAMPED:e}"));
         if !occasion.opaque {
             self.skipped.push(circles.skipped("draws opaque discs, but some of this scene are transparent"));
         } else if occasion.oriented {

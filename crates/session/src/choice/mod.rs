@@ -20,6 +20,7 @@ mod table;
 mod trials;
 
 use glam::Vec3;
+use pellucid_core::metrics::error_text;
 use pellucid_core::progress::Progress;
 use serde_json::{Value, json};
 
@@ -128,7 +129,8 @@ impl Choice {
         ));
         let chosen = format!("{} {}", self.method.name(), self.setting);
         let Figures { rmse, gpu_ms } = self.figures;
-        messages.note(&format_args!("{}: RMSE {rmse:.2e}, {gpu_ms:.2} ms on the device", chosen.trim_end()));
+        let rmse = error_text(rmse);
+        messages.note(&format_args!("{}: RMSE {rmse}, {gpu_ms:.2} ms on the device", chosen.trim_end()));
         if let Some(warning) = &self.warning {
             messages.warn(warning);
         }

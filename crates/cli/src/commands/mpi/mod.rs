@@ -33,6 +33,7 @@ use super::mpi_args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
 use super::options::DeviceArgs;
 use super::render::RenderArgs;
 use super::touched::{Touched, Touches};
+use super::unknown::advise;
 use super::{Error, VerbosityArgs};
 
 /// Parses the command line and runs its command on all ranks.
@@ -47,6 +48,7 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
+            let error = advise(error);
             if ranks.is_first() {
                 let _ = error.print();
             }
@@ -73,6 +75,7 @@ pub fn main() -> ExitCode {
         }
         Command::Profile { mut args, sharing, spread } => {
             args.input.residence = residence(&sharing, spread, args.along.option().is_some(), &ranks);
+            args.files();
             profile::run(&args, &sharing, &ranks, console).map(|()| ExitCode::SUCCESS)
         }
         Command::Plan { args, sharing, ranks: count } => {

@@ -290,3 +290,27 @@ fn batches_of_lines_are_lines() {
     assert_refused("a.pts", format!("{two}1 2\n"), &["line 1800004", "expected 4 values, found 2"]);
     assert_refused("a.pts", format!("{two}1,5 2 3 -7\n"), &["line 1800004, column 1", "where numbers before it"]);
 }
+
+#[test]
+fn carriage_returns_alone_end_no_line() {
+    for (text, line) in [
+        ("1 2 3\r4 5 6\r7 8 9\r", "line 1"),
+        ("x,y,z\r1,2,3\r4,5,6", "line 1"),
+        ("1;2;3\n4;5;6\r7;8;9\n", "line 2"),
+        ("1 2 3\n4 5 6\n7 8 9\r1 2 3\n", "line 3"),
+    ] {
+        assert_refused("a.xyz", text, &[line, "old Macs", "tr '\\r' '\\n'"]);
+    }
+    // Larger than a line may be.
+    assert_refused("a.xyz", "1 2 3\r".repeat(1 << 18), &["line 1", "old Macs"]);
+}
+
+#[test]
+fn names_and_values_have_one_separator() {
+    for (text, separators) in
+        [("x,y,z\n1;2;3\n", ["';'", "','"]), ("x;y;z\n1,2,3\n", ["','", "';'"]), ("x,y,z\n1\t2\t3\n", ["'\\t'", "','"])]
+    {
+        assert_refused("a.csv", text, &["line 2", separators[0], separators[1], "throughout"]);
+    }
+    assert_eq!(points(&load_bytes("a.csv", "x;y;z\n1,5;2;3\n").unwrap()), [[1.5, 2.0, 3.0]]);
+}

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use maud::{Markup, html};
+use pellucid_core::metrics::error_text;
 use pellucid_io::output;
 use serde::Serialize;
 
@@ -56,7 +57,7 @@ fn table<'a>(popping: &'a Popping, error: impl Fn(f64) -> String + Copy, last: &
 
 /// The table for a terminal.
 pub fn popping_table(popping: &Popping) -> String {
-    let table = table(popping, |value| format!("{value:.2e}"), "mean error");
+    let table = table(popping, error_text, "mean error");
     let refused: String =
         popping.refused.iter().map(|r| format!("  {} was left out: {}\n", r.method, r.reason)).collect();
     format!(

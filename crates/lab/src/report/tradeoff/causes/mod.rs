@@ -5,6 +5,7 @@ mod measure;
 mod rows;
 
 use maud::{Markup, html};
+use pellucid_core::metrics::error_text;
 use serde::{Deserialize, Serialize};
 
 use crate::report::page::{ReportTable, digits};
@@ -72,7 +73,7 @@ pub fn causes_table(causes: &[Cause]) -> String {
     if causes.is_empty() {
         return String::new();
     }
-    let error = |value: f64| format!("{value:.2e}");
+    let error = error_text;
     let table = ReportTable::new(causes)
         .text("cause", |cause| &cause.cause)
         .text("changed", changed)
