@@ -111,8 +111,8 @@ pub trait Spheres: std::fmt::Debug + Send + Sync {
     /// Returns, for each group, a box around its positions and the largest radius, in world units.
     fn groups(&self) -> Vec<(Bounds, f64)>;
 
-    /// Positions and radii of a group's points, also of those that are not drawn unless only `drawn` ones are asked for;
-    /// nothing if they can't be read, which whoever reads them again is told.
+    /// Positions and radii of a group's points, also of those that are not drawn unless only `drawn` ones are asked
+    /// for; nothing if they can't be read, which whoever reads them again is told.
     fn of_group(&self, group: usize, drawn: bool) -> Vec<(DVec3, f64)>;
 }
 

@@ -59,7 +59,7 @@ impl Channel {
     }
 
     /// Returns the channel of the numbers of this one, as they are stored.
-    pub fn as_stored(self) -> Self {
+    pub fn stored(self) -> Self {
         Self { scale: Scale::Measured, ..self }
     }
 

@@ -182,11 +182,11 @@ mod tests {
         };
         let (display, linear) = (ColorCoding::Display, ColorCoding::Linear);
         let two_clouds = "[[cloud]]\npath = 'b.ply'";
-        assert_eq!(settled("", &clouds(&[display.clone()])), (Some(Encoded), Encoded));
-        assert_eq!(settled("", &clouds(&[linear.clone()])), (Some(Linear), Linear));
+        assert_eq!(settled("", &clouds(std::slice::from_ref(&display))), (Some(Encoded), Encoded));
+        assert_eq!(settled("", &clouds(std::slice::from_ref(&linear))), (Some(Linear), Linear));
         assert_eq!(settled("", &clouds(&[ColorCoding::Each(vec![false, true])])), (Some(Linear), Linear));
         assert_eq!(settled(two_clouds, &clouds(&[display.clone(), linear.clone()])), (Some(Linear), Linear));
-        assert_eq!(settled("[image]\ncolor = 'encoded'", &clouds(&[linear.clone()])), (None, Encoded));
+        assert_eq!(settled("[image]\ncolor = 'encoded'", &clouds(std::slice::from_ref(&linear))), (None, Encoded));
         let with_points = [clouds(&[display]), vec![Cloud::default()]].concat();
         assert_eq!(settled(two_clouds, &with_points), (None, Linear));
     }

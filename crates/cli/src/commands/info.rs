@@ -47,14 +47,14 @@ pub struct InfoArgs {
     outliers: bool,
     /// Print JSON.
     ///
-    /// {points, non_finite, withheld, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command}.
-    /// `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a scalar to
-    /// [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
+    /// {points, non_finite, withheld, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms,
+    /// command}. `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a
+    /// scalar to [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
     ///
     /// Gaussian splats also have `gaussians: {count, degree, filter, up, color, extents: {min, median, max}}`; `color`
     /// is "encoded", "linear" or "both". --outliers adds their number as `outliers`. A prepared cloud has `prepared:
-    /// {neighbors, radius_cap, estimated_radii, field, quantiles}`, with `shadows` if they are stored; `quantiles` maps
-    /// a share of the points to the largest field value among them.
+    /// {neighbors, radius_cap, estimated_radii, field, quantiles}`, with `shadows` if they are stored; `quantiles`
+    /// maps a share of the points to the largest field value among them.
     ///
     /// Several files become an array, each with `file`.
     #[arg(long)]

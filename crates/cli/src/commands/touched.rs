@@ -67,7 +67,8 @@ mod tests {
         /// Written, by a command with these arguments besides. `IN` is the input that the option names too, which ends
         /// in this.
         Written(&'static str, &'static [&'static str]),
-        /// A folder to write to, by a command with these arguments besides. `IN` is the input, a file of this name there.
+        /// A folder to write to, by a command with these arguments besides. `IN` is the input, a file of this name
+        /// there.
         Folder(&'static str, &'static [&'static str]),
         /// A folder to write to, by a command that reads nothing.
         Alone,

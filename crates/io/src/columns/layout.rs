@@ -39,7 +39,7 @@ impl RowLayout {
             let channels = names.take_color()?.map(channel);
             // Three channels have one range.
             let measures = channels.iter().any(Channel::is_measured);
-            Some(if measures { channels.map(Channel::as_stored) } else { channels })
+            Some(if measures { channels.map(Channel::stored) } else { channels })
         });
         let alpha = names.take(&ALPHA).map(channel);
         let radius = names.take(&RADIUS);

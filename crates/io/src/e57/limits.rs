@@ -76,8 +76,8 @@ pub(super) struct ScanLimits {
 }
 
 /// Scales intensities to [0, 1] if all scans have limits that hold; otherwise they stay as they are. Limits that are
-/// each scan's own extremes would make the scans unlike each other, so they hold together. A point without a number has
-/// the intensity 0.
+/// each scan's own extremes would make the scans unlike each other, so they hold together. A point without a number
+/// has the intensity 0.
 pub(super) fn scale_intensities(values: &mut [f32], scans: &[ScanLimits]) {
     let given = scans.iter().filter_map(|scan| {
         let limits = scan.intensity?;
@@ -102,8 +102,8 @@ fn limits_that_hold(given: &[(Range<usize>, Option<Limits>, Limits)]) -> Option<
     Some(if are_own { vec![all; limits.len()] } else { limits })
 }
 
-/// Scales colors to [0, 1]: by limits that hold, else as those of a file without limits. A field of more than 8 bits may
-/// hold colors of fewer.
+/// Scales colors to [0, 1]: by limits that hold, else as those of a file without limits. A field of more than 8 bits
+/// may hold colors of fewer.
 pub(super) fn scale_colors(colors: &mut [Vec3], scans: &[ScanLimits]) {
     let seen = |points: &Range<usize>, i: usize| Limits::of(colors[points.clone()].iter().map(|color| color[i]));
     let given = scans.iter().filter_map(|scan| Some((&scan.points, scan.color?)));

@@ -1,11 +1,11 @@
 //! E57 files (ASTM E2807): all scans of a file as one cloud, in its common coordinates.
 //!
 //! A scan's pose is applied to points and normals. Spherical coordinates become Cartesian ones where a point has no
-//! valid Cartesian ones; a point that is marked as invalid, or as a mere direction, is left out and counted. Colors and
-//! intensities are scaled from their limits to [0, 1] where these hold (`limits`), colors sRGB-encoded. The normals of the extension of that name
-//! are normals; `rowIndex` and `columnIndex` are left out; every other number that all scans have is a column by its
-//! own name, as in `ply`. Where a scan lacks colors, normals or intensities that others have, its points are white,
-//! have no normal, or the intensity 0. Pictures are not read.
+//! valid Cartesian ones; a point that is marked as invalid, or as a mere direction, is left out and counted. Colors
+//! and intensities are scaled from their limits to [0, 1] where these hold (`limits`), colors sRGB-encoded. The
+//! normals of the extension of that name are normals; `rowIndex` and `columnIndex` are left out; every other number
+//! that all scans have is a column by its own name, as in `ply`. Where a scan lacks colors, normals or intensities
+//! that others have, its points are white, have no normal, or the intensity 0. Pictures are not read.
 
 mod limits;
 mod scan;

@@ -185,8 +185,8 @@ fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
 }
 
 /// Converts stored colors to linear ones. Many writers put values of 8, 10 or 12 bits into the 16-bit fields, so the
-/// largest of the file says how many they have; larger ones, which a store's description may have missed, count as that.
-/// Colors that are all zero are dropped.
+/// largest of the file says how many they have; larger ones, which a store's description may have missed, count as
+/// that. Colors that are all zero are dropped.
 fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     if largest == 0 {
         return None;

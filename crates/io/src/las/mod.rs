@@ -1,7 +1,8 @@
 //! LAS 1.0–1.5 and LAZ files; a COPC file is a LAZ file whose chunks happen to form a tree (`store::copc`).
 //!
 //! The libraries read headers and decompress; everything a file claims (records, counts, lengths) is compared with its
-//! size here first, since they allocate what is claimed. Of extended variable-length records those are read that describe extra bytes.
+//! size here first, since they allocate what is claimed. Of extended variable-length records those are read that
+//! describe extra bytes.
 
 mod chunks;
 mod columns;

@@ -96,8 +96,8 @@ fn shown(cloud: usize, entries: &[ClassSettings], code: u8) -> Vec<Change> {
     tidied(cloud, entries, changes)
 }
 
-/// The changes that give this class the look that it has by `opened`, the entries of the cloud as it was opened: its own
-/// entries are taken out, and one says again what the others don't.
+/// The changes that give this class the look that it has by `opened`, the entries of the cloud as it was opened: its
+/// own entries are taken out, and one says again what the others don't.
 pub fn class_resets(cloud: usize, entries: &[ClassSettings], opened: &[ClassSettings], code: u8) -> Vec<Change> {
     let (own, others): (Vec<_>, Vec<_>) = entries.iter().enumerate().partition(|(_, entry)| is_own(entry, code));
     let removed = own.iter().rev().map(|(at, _)| (format!("cloud.{cloud}.class.{at}"), None)).collect();

@@ -45,8 +45,8 @@ pub struct Ratios {
 }
 
 impl Ratios {
-    /// The changes that give the clouds a mean opacity, from 0 to 1, by a common factor. Opacities stop at 1, and return
-    /// to their ratio with a smaller mean. Clouds that are all at 0 have no ratio and become equal.
+    /// The changes that give the clouds a mean opacity, from 0 to 1, by a common factor. Opacities stop at 1, and
+    /// return to their ratio with a smaller mean. Clouds that are all at 0 have no ratio and become equal.
     pub fn changes(&mut self, clouds: &[CloudSettings], mean: f64) -> Vec<Change> {
         let now = opacities(clouds);
         if now != self.given {

@@ -73,10 +73,7 @@ mod tests {
         let value = json(&splats, &of(Filter::Mip, UpAxis::NegativeY));
         assert_eq!((&value["filter"], &value["up"], &value["color"]), (&json!("mip"), &json!("-y"), &json!("encoded")));
         let linear = Gaussians { coding: ColorCoding::Linear, ..splats.clone() };
-        assert!(
-            super::text(&linear, &of(Filter::Flat, UpAxis::Z))
-                .contains("filter 2dgs, colors linear\n  up          z\n")
-        );
+        assert!(text(&linear, &of(Filter::Flat, UpAxis::Z)).contains("filter 2dgs, colors linear\n  up          z\n"));
         let text = text(&splats, &of(Filter::Flat, UpAxis::Y));
         assert!(text.contains("gaussians   2, harmonics of degree 0, trained with filter 2dgs"), "{text}");
         assert!(text.contains("extents     0 to 8, median 2"), "{text}");

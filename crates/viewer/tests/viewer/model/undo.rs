@@ -188,7 +188,8 @@ fn resets_return_to_the_scene_that_was_opened() {
         plain(model.scene()) == plain(&before)
     };
     let number = |x: f64| Some(Setting::Number(x));
-    let rows: [(&[&str], &[(&str, Option<Setting>)]); 6] = [
+    type Changed<'a> = (&'a str, Option<Setting>);
+    let rows: [(&[&str], &[Changed<'_>]); 6] = [
         (&["cloud.*.radius_factor"], &[("cloud.*.radius_factor", number(3.0))]),
         (&["cloud.0.color_by", "cloud.0.range"], &[("cloud.0.color_by", Some("z".into())), ("cloud.0.range", None)]),
         (&["shading.ambient"], &[("shading.ambient", None)]),
