@@ -5,7 +5,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::error::{Error, Place};
-use super::framing::{self, Spheres, Subject, ViewExtent};
+use super::framed::Spheres;
+use super::framing::{self, Subject, ViewExtent};
 use super::scene::Scene;
 use super::settings::CameraSettings;
 use super::view::Vertical;

@@ -5,6 +5,7 @@ mod compared;
 use std::path::{Path, PathBuf};
 
 use super::error::{Error, Place};
+use super::keys;
 use super::overrides::Overrides;
 use super::parse;
 use super::scene::Scene;
@@ -70,7 +71,13 @@ impl Document {
     /// # Errors
     /// Whatever is wrong with a key or value, and where it was given.
     pub fn scene(&self) -> Result<Scene, Error> {
-        parse::read_scene(&self.root, self.folder.as_deref())
+        parse::read_scene(&self.root, self.folder.as_deref()).map_err(|error| match error {
+            Error::UnknownKey { place, key, hint } => {
+                let hint = keys::elsewhere(&key).unwrap_or(hint);
+                Error::UnknownKey { place, key, hint }
+            }
+            error => error,
+        })
     }
 
     /// Gives a dotted key a value, as `--set` does, if what comes out is a scene; else all stays as it was.

@@ -3,16 +3,18 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::framing::Spheres;
 use super::scene::Scene;
 use super::settings::Frame;
 use pellucid_core::cloud::Bounds;
+use pellucid_core::parallel;
 use pellucid_core::points::Points;
 
 /// Share of the points, at either end of an axis, that may be strays.
 const STRAYS: f64 = 0.02;
 /// Strays are farther from the other points than these extend, times this.
 const FAR: f64 = 2.0;
+/// Groups of spheres that are read at once.
+const GROUPS: usize = 16;
 /// Fewest points of which some can be strays.
 const FEWEST: usize = 100;
 
@@ -129,6 +131,60 @@ impl<'a> Framed<'a> {
         let bounds = spheres
             .with_groups(known, with, |bounds, more| (more.max - bounds.max).max(bounds.min - more.min).max_element());
         bounds.min.cmple(bounds.max).all().then_some(bounds)
+    }
+}
+
+/// Points as spheres at (offset, depth) around a center.
+pub(super) struct Spheres<'a> {
+    pub framed: Framed<'a>,
+    pub center: DVec3,
+    /// Right, up, forward.
+    pub axes: [DVec3; 3],
+}
+
+impl Spheres<'_> {
+    /// Offset, depth, radius.
+    pub fn iter(&self) -> impl ParallelIterator<Item = (DVec2, f64, f64)> {
+        self.framed.spheres().map(|(position, radius)| self.relative(position, radius))
+    }
+
+    /// Adds those groups of spheres to a state that may change it, where only some points are in memory: what changes
+    /// most goes first. `with` adds a sphere, `gain` tells how much farther a state is than another one. What is
+    /// farthest of a group is so at a corner of its box.
+    pub fn with_groups<S: Copy + Send + Sync>(
+        &self,
+        mut state: S,
+        with: impl Fn(S, (DVec2, f64, f64)) -> S + Sync,
+        gain: impl Fn(S, S) -> f64 + Sync,
+    ) -> S {
+        let groups: Vec<_> = self.framed.groups();
+        let mut left: Vec<usize> = (0..groups.len()).filter(|group| groups[*group].is_some()).collect();
+        loop {
+            let gain_of = |group: usize| {
+                let around = groups[group]
+                    .into_iter()
+                    .flat_map(|(bounds, radius)| bounds.corners().map(|corner| (corner, radius)));
+                let corners = around.map(|(corner, radius)| self.relative(corner, radius));
+                (gain(state, corners.fold(state, &with)), group)
+            };
+            let mut gains: Vec<(f64, usize)> = parallel::gather(left.len(), |i| gain_of(left[i]));
+            gains.retain(|(gain, _)| *gain > 0.0);
+            gains.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+            gains.truncate(GROUPS);
+            if gains.is_empty() {
+                return state;
+            }
+            let spheres: Vec<_> = parallel::gather(gains.len(), |i| self.framed.of_group(gains[i].1));
+            let each = spheres.iter().flatten().map(|(position, radius)| self.relative(*position, *radius));
+            state = each.fold(state, &with);
+            left.retain(|group| gains.iter().all(|(_, done)| done != group));
+        }
+    }
+
+    pub fn relative(&self, position: DVec3, radius: f64) -> (DVec2, f64, f64) {
+        let [right, up, forward] = self.axes;
+        let p = position - self.center;
+        (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::broadest_side::broadest_side;
 use super::error::Error;
-use super::framed::Framed;
+use super::framed::{Framed, Spheres};
 use super::nothing_left::no_points;
 use super::range::MAX_COORDINATE;
 use super::scene::Scene;
@@ -14,7 +14,6 @@ use super::surroundings;
 use super::view::Vertical;
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::{Bounds, UpAxis};
-use pellucid_core::parallel;
 use pellucid_core::points::Points;
 
 /// Vertical field of view if the scene doesn't say, in degrees.
@@ -22,9 +21,6 @@ pub const DEFAULT_FOV_Y: f64 = 45.0;
 
 /// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
 pub(super) const FILL: f64 = 0.95;
-
-/// Groups of spheres that are read at once.
-const GROUPS: usize = 16;
 
 /// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
 const CLEARANCE: f64 = 0.1;
@@ -291,20 +287,7 @@ pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f
     (CLEARANCE * fallback - nearest).max(1e-6 * center.abs().max_element())
 }
 
-/// Points as spheres at (offset, depth) around a center.
-pub(super) struct Spheres<'a> {
-    pub framed: Framed<'a>,
-    pub center: DVec3,
-    /// Right, up, forward.
-    pub axes: [DVec3; 3],
-}
-
 impl Spheres<'_> {
-    /// Offset, depth, radius.
-    pub fn iter(&self) -> impl ParallelIterator<Item = (DVec2, f64, f64)> {
-        self.framed.spheres().map(|(position, radius)| self.relative(position, radius))
-    }
-
     fn extent(&self, tangents: DVec2) -> ViewExtent {
         // 1/cos of the planes' angles.
         let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
@@ -318,45 +301,6 @@ impl Spheres<'_> {
             let beyond = (more.upper - extent.upper).max(extent.lower - more.lower).max_element();
             beyond.max(extent.nearest - more.nearest)
         })
-    }
-
-    /// Adds those groups of spheres to a state that may change it, where only some points are in memory: what changes
-    /// most goes first. `with` adds a sphere, `gain` tells how much farther a state is than another one. What is
-    /// farthest of a group is so at a corner of its box.
-    pub fn with_groups<S: Copy + Send + Sync>(
-        &self,
-        mut state: S,
-        with: impl Fn(S, (DVec2, f64, f64)) -> S + Sync,
-        gain: impl Fn(S, S) -> f64 + Sync,
-    ) -> S {
-        let groups: Vec<_> = self.framed.groups();
-        let mut left: Vec<usize> = (0..groups.len()).filter(|group| groups[*group].is_some()).collect();
-        loop {
-            let gain_of = |group: usize| {
-                let around = groups[group]
-                    .into_iter()
-                    .flat_map(|(bounds, radius)| bounds.corners().map(|corner| (corner, radius)));
-                let corners = around.map(|(corner, radius)| self.relative(corner, radius));
-                (gain(state, corners.fold(state, &with)), group)
-            };
-            let mut gains: Vec<(f64, usize)> = parallel::gather(left.len(), |i| gain_of(left[i]));
-            gains.retain(|(gain, _)| *gain > 0.0);
-            gains.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-            gains.truncate(GROUPS);
-            if gains.is_empty() {
-                return state;
-            }
-            let spheres: Vec<_> = parallel::gather(gains.len(), |i| self.framed.of_group(gains[i].1));
-            let each = spheres.iter().flatten().map(|(position, radius)| self.relative(*position, *radius));
-            state = each.fold(state, &with);
-            left.retain(|group| gains.iter().all(|(_, done)| done != group));
-        }
-    }
-
-    fn relative(&self, position: DVec3, radius: f64) -> (DVec2, f64, f64) {
-        let [right, up, forward] = self.axes;
-        let p = position - self.center;
-        (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
     }
 
     /// The shift of an eye at this distance that puts the outermost discs equally far from the image's center, along

@@ -72,8 +72,10 @@ pub fn paths_of(key: &str) -> Vec<String> {
     tables.map(|table| format!("{}.{key}", table.path)).chain(of_methods).collect()
 }
 
-/// Returns a phrase that names the tables which have a key that another one lacks, if there are any.
-pub(crate) fn elsewhere(key: &str, table: &str) -> Option<String> {
+/// Returns a phrase that names the tables which have a key that another one lacks, if there are any. `path` is the
+/// unknown one, with its table.
+pub(crate) fn elsewhere(path: &str) -> Option<String> {
+    let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
     let paths = paths_of(key);
     let segment = |segment| if str::parse::<usize>(segment).is_ok() { "*" } else { segment };
     let table = table.split('.').map(segment).collect::<Vec<_>>().join(".");

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::error::{Error, Place};
-use super::keys::elsewhere;
 use super::range::Range;
 use super::tree::{BACKSLASH_HELP, Entries, Node, Value};
 use pellucid_core::words::nearest;
@@ -94,7 +93,7 @@ impl<'a> Table<'a> {
             Some((key, place)) => Err(Error::UnknownKey {
                 place: place.clone(),
                 key: self.path(key),
-                hint: elsewhere(key, &self.name).unwrap_or_else(|| nearest(key, known.iter().copied(), "known here")),
+                hint: nearest(key, known.iter().copied(), "known here"),
             }),
         }
     }

@@ -27,7 +27,9 @@ fn cloud() -> Cloud {
 }
 
 fn scene_in(folder: &Path, clips: &str) -> Scene {
-    let text = format!("[[cloud]]\npath = 'a.ply'\nneighbors = 7\ncolor_by = 'dose'\n{clips}");
+    // An automatic camera would frame what is left.
+    let text =
+        format!("camera = {{ frame = 'all' }}\n[[cloud]]\npath = 'a.ply'\nneighbors = 7\ncolor_by = 'dose'\n{clips}");
     Scene::from_toml(&text, &folder.join("s.toml")).unwrap_or_else(|error| panic!("{clips}: {error}"))
 }
 
