@@ -9,14 +9,16 @@ const LEAST_POINTS: usize = 100;
 /// Share of the scene's diagonal below which a picture hardly shows anything.
 const LEAST_HEIGHT: f64 = 1e-4;
 
-/// Returns warnings about given radii that are larger than the scene, and about a given height of an orthographic
+/// Returns warnings about given radii that are larger than a scene whose eye is not given, and about a given height of an orthographic
 /// picture that is far smaller, one sentence each.
 pub fn odd_sizes(scene: &Scene, points: &Points) -> Vec<String> {
     let diagonal = points.bounds().map_or(0.0, |bounds| bounds.diagonal());
     if points.len() < LEAST_POINTS || diagonal == 0.0 {
         return Vec::new();
     }
-    let radii = scene.clouds.iter().filter_map(|cloud| Some((cloud, cloud.radius?)));
+    // Whoever placed the eye saw what the radius does.
+    let clouds = scene.clouds.iter().filter(|_| scene.camera.eye.is_none());
+    let radii = clouds.filter_map(|cloud| Some((cloud, cloud.radius?)));
     let radii = radii.filter(|(_, radius)| f64::from(*radius) > diagonal).map(|(cloud, radius)| {
         let path = cloud.path.display();
         format!("{path}: a radius of {radius} is larger than the scene, whose diagonal is {diagonal:.4}: is it in the same unit?")
@@ -52,6 +54,7 @@ mod tests {
         );
         assert!(warnings("radius = 4.9", 100).is_empty() && warnings("", 100).is_empty());
         assert!(warnings("radius = 500", 99).is_empty(), "a scene made by hand");
+        assert!(warnings("radius = 500\n[camera]\neye = [0, 0, 9]", 100).is_empty(), "looked at by hand");
     }
 
     #[test]
