@@ -48,24 +48,35 @@ def columns(object: Any) -> Any:
 
 
 def _of_las(las: Any) -> dict[str, Any]:
-    """Convert a `laspy.LasData`, or points of one: coordinates, colors, classes, intensity, returns, extra dimensions."""
+    """Convert a `laspy.LasData`, or points of one: coordinates, colors, classes, intensity, returns, extra dimensions.
+
+    Points that are marked as withheld are left out, as of files.
+    """
     names = set(las.point_format.dimension_names)
     extra = list(las.point_format.extra_dimension_names)
+    kept = np.asarray(las["withheld"]) == 0
+    no_data = _no_data(las)
 
     def column(name: str, kind: Any) -> NDArray[Any]:
-        return np.asarray(las[name]).astype(kind)
+        return np.asarray(las[name])[kept].astype(kind)
 
-    points = np.stack([np.asarray(axis, dtype=np.float64) for axis in (las.x, las.y, las.z)], axis=1)
+    def extra_column(name: str) -> NDArray[np.float32]:
+        values = column(name, np.float32)
+        if name in no_data:
+            values[np.asarray(las.points.array[name])[kept] == no_data[name]] = np.nan
+        return values
+
+    points = np.stack([np.asarray(axis, dtype=np.float64)[kept] for axis in (las.x, las.y, las.z)], axis=1)
     scalars = {
         name: column(name, np.float32) for name in ("return_number", "number_of_returns", "point_source_id") if name in names
     }
     if "gps_time" in names:
         scalars["gps_time"] = _since_first(column("gps_time", np.float64))
     # Arrays of several numbers are left out, as of files.
-    scalars |= {name: column(name, np.float32) for name in extra if np.ndim(las[name]) == 1}
+    scalars |= {name: extra_column(name) for name in extra if np.ndim(las[name]) == 1}
     colors = None
     if {"red", "green", "blue"} <= names:
-        colors = _eight_or_sixteen_bits(np.stack([column(name, np.uint16) for name in ("red", "green", "blue")], axis=1))
+        colors = _of_their_bits(np.stack([column(name, np.uint16) for name in ("red", "green", "blue")], axis=1))
     return _table.finish(
         _table.Parts(
             points=points,
@@ -79,12 +90,23 @@ def _of_las(las: Any) -> dict[str, Any]:
     )
 
 
-def _eight_or_sixteen_bits(rgb: NDArray[np.uint16]) -> NDArray[Any] | None:
-    """Return the colors of LAS, of 8 bits if all are below 256, as many writers store them; None if all are zero."""
+def _no_data(las: Any) -> dict[str, Any]:
+    """Return the stored numbers that mean "no value", by extra dimension. Points without their file have none."""
+    records = [*getattr(las, "vlrs", ()), *(getattr(las, "evlrs", None) or ())]
+    described = [one for record in records for one in getattr(record, "extra_bytes_structs", ())]
+    with_numbers = [one for one in described if one.data_type != 0 and one.no_data is not None]
+    return {one.format_name(): one.no_data[0] for one in with_numbers}
+
+
+def _of_their_bits(rgb: NDArray[np.uint16]) -> NDArray[Any] | None:
+    """Return the colors of LAS, which many writers store with fewer bits than 16; None if all are zero."""
     largest = rgb.max(initial=0)
     if largest == 0:
         return None
-    return rgb.astype(np.uint8) if largest <= 255 else rgb
+    full = _table.full_integer(largest)
+    if full == 255:
+        return np.minimum(rgb, 255).astype(np.uint8)
+    return rgb if full == 65535 else rgb.astype(np.float32) / np.float32(full)
 
 
 def _since_first(times: NDArray[np.float64]) -> NDArray[np.float32]:

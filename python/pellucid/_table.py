@@ -28,8 +28,11 @@ _SPLAT = ("f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "rot_0"
 
 _PLY_TYPES = {"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint", "f4": "float", "f8": "double"}
 
-# Floats up to this are meant to be at most 1; the excess is rounding.
-_UNIT = np.float32(1.0 + 1e-3)
+# Colors up to this are meant to be at most 1: bytes of at most 2 would be black.
+_UNIT = np.float32(2.0)
+
+# Numbers of full intensity in integers of 8, 10, 12 and 16 bits, each with the largest value that means it.
+_FULL = ((256, 255), (1023, 1023), (4095, 4095))
 
 
 @dataclass
@@ -153,7 +156,12 @@ def _full_scale(values: NDArray[np.float32]) -> float | None:
         return None
     if largest <= _UNIT:
         return 1.0
-    return 255.0 if largest <= 255 else 65535.0
+    return float(full_integer(largest))
+
+
+def full_integer(largest: float) -> int:
+    """Return the number of full intensity in integers of which this is the largest, as the readers of files find it."""
+    return next((full for most, full in _FULL if largest <= most), 65535)
 
 
 def _colors(parts: Parts) -> dict[str, Any]:

@@ -72,15 +72,13 @@ pub(super) fn dimensions(descriptors: &[u8], extra_bytes: u16) -> Vec<Dimension>
     dimensions
 }
 
-/// Returns the number that means "no value": it is stored in the widest type of the dimension's class.
+/// Returns the number that means "no value". It is stored in the widest type of the dimension's class, whose first
+/// bytes are the number itself, also where a writer forgot the sign.
 fn no_data(kind: NumberType, bytes: &[u8]) -> f64 {
-    use NumberType::{Float, Int8, Int16, Int32, Int64, Uint64};
     match kind {
         // Numbers of points are rounded to float32 as well.
-        Float => f64::from(NumberType::Double.read(bytes) as f32),
-        NumberType::Double => NumberType::Double.read(bytes),
-        Int8 | Int16 | Int32 | Int64 => Int64.read(bytes),
-        _ => Uint64.read(bytes),
+        NumberType::Float => f64::from(NumberType::Double.read(bytes) as f32),
+        kind => kind.read(bytes),
     }
 }
 

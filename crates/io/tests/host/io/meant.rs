@@ -117,6 +117,8 @@ fn extra_bytes_without_a_value_are_no_numbers() {
         (descriptor(9, "hag", Some((-9999.0f64).to_le_bytes())), [&float(-9999.0)[..], &float(10.5)], 10.5),
         (descriptor(9, "hag", Some(f64::from(0.1f32).to_le_bytes())), [&float(0.1)[..], &float(0.25)], 0.25),
         (scaled, [&short(-9999)[..], &short(1234)], 12.34),
+        // As RIEGL writes it: without the sign.
+        (descriptor(4, "hag", Some(0x8000u64.to_le_bytes())), [&short(i16::MIN)[..], &short(5)], 5.0),
         (descriptor(1, "hag", Some(255u64.to_le_bytes())), [&[255][..], &[7]], 7.0),
         (descriptor(10, "hag", Some(1e300f64.to_le_bytes())), [&1e300f64.to_le_bytes()[..], &2f64.to_le_bytes()], 2.0),
     ];
