@@ -61,7 +61,7 @@ def _of_las(las: Any) -> dict[str, Any]:
         return np.asarray(las[name])[kept].astype(kind)
 
     def extra_column(name: str) -> NDArray[np.float32]:
-        values = column(name, np.float32)
+        values: NDArray[np.float32] = column(name, np.float32)
         if name in no_data:
             values[np.asarray(las.points.array[name])[kept] == no_data[name]] = np.nan
         return values
