@@ -58,10 +58,11 @@ def _of_las(las: Any) -> dict[str, Any]:
     no_data = _no_data(las)
 
     def column(name: str, kind: Any) -> NDArray[Any]:
-        return np.asarray(las[name])[kept].astype(kind)
+        values: NDArray[Any] = np.asarray(las[name])[kept].astype(kind)
+        return values
 
     def extra_column(name: str) -> NDArray[np.float32]:
-        values: NDArray[np.float32] = column(name, np.float32)
+        values = column(name, np.float32)
         if name in no_data:
             values[np.asarray(las.points.array[name])[kept] == no_data[name]] = np.nan
         return values
