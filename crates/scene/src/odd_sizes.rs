@@ -9,8 +9,8 @@ const LEAST_POINTS: usize = 100;
 /// Share of the scene's diagonal below which a picture hardly shows anything.
 const LEAST_HEIGHT: f64 = 1e-4;
 
-/// Returns warnings about given radii that are larger than a scene whose eye is not given, and about a given height of an orthographic
-/// picture that is far smaller, one sentence each.
+/// Returns warnings about given radii that are larger than a scene whose eye is not given, and about a given height of
+/// an orthographic picture that is far smaller, one sentence each.
 pub fn odd_sizes(scene: &Scene, points: &Points) -> Vec<String> {
     let diagonal = points.bounds().map_or(0.0, |bounds| bounds.diagonal());
     if points.len() < LEAST_POINTS || diagonal == 0.0 {
