@@ -270,7 +270,7 @@ fn describe(path: &Path, points: u64, cloud: &Cloud, messages: &dyn Messages) {
         messages.warn(&format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }
     if cloud.withheld > 0 {
-        messages.warn(&format_args!("{path}: {} points are marked as withheld and left out", cloud.withheld));
+        messages.warn(&format_args!("{path}: withheld points are left out: {}", cloud.withheld));
     }
     cloud.warnings.iter().for_each(|warning| messages.warn(&format_args!("{path}: {warning}")));
 }
