@@ -53,11 +53,11 @@ impl<'a> Framed<'a> {
 
     /// Returns the positions of points that stand for all of these, in any order.
     pub fn sampled(&self) -> Vec<DVec3> {
-        let drawn = self.points.sampled_drawn().copied().filter(|position| self.holds(*position));
+        let holds = |position: &DVec3| self.holds(*position);
         if self.drawn {
-            return drawn.collect();
+            return self.points.sampled_drawn().copied().filter(holds).collect();
         }
-        self.points.sampled().copied().filter(|position| self.holds(*position)).collect()
+        self.points.sampled().copied().filter(holds).collect()
     }
 
     /// Returns the number of points in memory, strays included.

@@ -28,12 +28,12 @@ const CLEARANCE: f64 = 0.1;
 /// Returns the scene's camera, and warnings about it.
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter
-/// farther around where the scene is clearly broader), from the
-/// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
-/// overrides `eye` and `target`, and `up` then only defines the vertical axis; the clouds' vertical (the argument
-/// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from
-/// within unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near =
-/// max(0.999·(z_min − r_max), far·10⁻⁵), z over the corners of the scene's bounds.
+/// farther around where the scene is clearly broader), from the distance at which every framed point ([`Framed`]), as
+/// a sphere of its own radius, fits into the image with a margin of 5%. A given view overrides `eye` and `target`, and
+/// `up` then only defines the vertical axis; the clouds' vertical (the argument `up`) only counts without it. A scene
+/// whose points surround its middle, as those of a room do, is looked at from within unless anything is said of eye,
+/// target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z over
+/// the corners of the bounds: those of the framed points, or, with an `eye`, of all.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
@@ -348,9 +348,9 @@ fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 
 /// The extent of spheres toward the four planes through the eye, whose slopes are `tangents`.
 ///
-/// Along one image axis a sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and
-/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and lower = min(offset + tangent·depth −
-/// r/cos) all fit with a shift between upper − tangent·distance and lower + tangent·distance; such a shift exists if
+/// Along one image axis a sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance),
+/// and so above the lower one. With upper = max(offset − tangent·depth + r/cos) and lower = min(offset + tangent·depth
+/// − r/cos) all fit with a shift between upper − tangent·distance and lower + tangent·distance; such a shift exists if
 /// upper − lower ≤ 2·tangent·distance.
 #[derive(Clone, Copy)]
 pub(super) struct ViewExtent {
@@ -389,7 +389,8 @@ impl ViewExtent {
     }
 }
 
-/// Returns near and far: the given ones, else a range that contains the bounds' corners extended by the largest radius.
+/// Returns near and far: the given ones, else a range that contains the bounds' corners extended by the largest
+/// radius.
 pub(super) fn depths(
     [near, far]: [Option<f64>; 2],
     eye: DVec3,

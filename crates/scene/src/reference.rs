@@ -44,11 +44,11 @@ fn scene_file() -> String {
     for table in tables() {
         let about = match table.path {
             "image" => "The picture.",
-            "camera" => "All of it is optional: by default the whole scene is in view.",
+            "camera" => "All of it is optional: by default all points that are drawn are in view.",
             "cloud.*" => "One or more. Positions become scale · p + translate, in float64.",
             "clip.*" => {
                 "Any number of them. A point is drawn if each keeps its center; borders are kept. Points that are cut off still \
-                 count for bounds, percentiles, radii and normals."
+                 count for bounds, percentiles, radii and normals, but an automatic camera frames the others."
             }
             "shading" => "Points without normals are not shaded.",
             "detail" => {

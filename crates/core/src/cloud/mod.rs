@@ -91,7 +91,7 @@ pub struct Cloud {
     pub filter: Option<Filter>,
     /// LAS classification codes, or an integer property of that name.
     pub classification: Option<Vec<u8>>,
-    /// Intensity as stored (LAS: 0–65535), of E57 from 0 to 1.
+    /// Intensity as stored (LAS: 0–65535), of E57 from 0 to 1 where its limits hold.
     pub intensity: Option<Vec<f32>>,
     /// Every other scalar property, by the name the file gives it.
     pub scalars: Vec<(String, Vec<f32>)>,

@@ -8,6 +8,7 @@ use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians, REACH};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Error, Frame, Renderer};
+use pellucid_gpu::Device;
 use pellucid_reference::View;
 use pellucid_reference::abuffer::Fragment;
 use pellucid_reference::gaussians::{self, Possible};
@@ -203,6 +204,25 @@ fn assert_like(image: &Image, wanted: &ReferencePicture, clear: &[Option<f64>]) 
     }
 }
 
+/// Asserts that the picture of a frame by `abuffer` is that of the reference where roundings decide nothing, which is
+/// in most pixels. Returns both pictures and the bounds by pixel.
+#[track_caller]
+fn assert_reference(
+    device: &Device,
+    points: &Points,
+    frame: &Frame,
+    discs: &Discs,
+) -> (Image, ReferencePicture, Vec<Option<f64>>) {
+    let image = render(device, points, frame);
+    let colors = shaded(points, frame);
+    let wanted = reference::abuffer::render(View::new(&frame.camera, frame.size), points, &colors, discs);
+    let clear = clear_pixels(points, frame, &discs.gaussians, &colors);
+    assert_like(&image, &wanted, &clear);
+    let known = clear.iter().filter(|bound| bound.is_some()).count();
+    assert!(2 * known > clear.len(), "{known} of {} pixels are clear", clear.len());
+    (image, wanted, clear)
+}
+
 #[test]
 fn soups_are_those_of_the_reference() {
     with_device(|device| {
@@ -214,13 +234,7 @@ fn soups_are_those_of_the_reference() {
                     for color in [ColorSpace::Encoded, ColorSpace::Linear] {
                         let discs = discs(kernel, order);
                         let frame = Frame { color, ..frame(camera, size, Method::ABuffer(discs)) };
-                        let image = render(device, &points, &frame);
-                        let colors = shaded(&points, &frame);
-                        let wanted = reference::abuffer::render(View::new(&camera, size), &points, &colors, &discs);
-                        let clear = clear_pixels(&points, &frame, &discs.gaussians, &colors);
-                        assert_like(&image, &wanted, &clear);
-                        let known = clear.iter().filter(|bound| bound.is_some()).count();
-                        assert!(2 * known > clear.len(), "{known} of {} pixels are clear", clear.len());
+                        let (image, wanted, clear) = assert_reference(device, &points, &frame, &discs);
                         let same = clear
                             .iter()
                             .zip(image.depth.iter().zip(&wanted.depth))
@@ -251,13 +265,7 @@ fn linear_colors_are_those_of_the_reference_in_either_space() {
             for color in [ColorSpace::Encoded, ColorSpace::Linear] {
                 let discs = discs(Kernel::Ewa, Order::Pixel);
                 let frame = Frame { color, ..frame(camera, size, Method::ABuffer(discs)) };
-                let image = render(device, &points, &frame);
-                let colors = shaded(&points, &frame);
-                let wanted = reference::abuffer::render(View::new(&camera, size), &points, &colors, &discs);
-                let clear = clear_pixels(&points, &frame, &discs.gaussians, &colors);
-                assert_like(&image, &wanted, &clear);
-                let known = clear.iter().filter(|bound| bound.is_some()).count();
-                assert!(2 * known > clear.len(), "{known} of {} pixels are clear", clear.len());
+                let (image, ..) = assert_reference(device, &points, &frame, &discs);
                 assert!(bits(&image) != bits(&render(device, &soup, &frame)));
             }
         }

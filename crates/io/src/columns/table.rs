@@ -190,7 +190,7 @@ const FAINT: f32 = 0.05;
 /// Scales alphas whose range is that of all of them, of which this is the largest. Those that are 0 everywhere are no
 /// alphas: some writers leave the column empty.
 fn finish_alphas(cloud: &mut Cloud, largest: Option<f32>, are_measured: bool) {
-    let Some(full) = channel::full_scale(largest) else {
+    let (Some(largest), Some(full)) = (largest, channel::full_scale(largest)) else {
         cloud.alphas = None;
         cloud.warnings.push("alpha is 0 at every point and is ignored".to_owned());
         return;
@@ -198,7 +198,7 @@ fn finish_alphas(cloud: &mut Cloud, largest: Option<f32>, are_measured: bool) {
     if are_measured {
         cloud.alphas.iter_mut().flatten().for_each(|value| *value = channel::unit_or(1.0, *value / full));
     }
-    let largest = largest.unwrap_or(full) / if are_measured { full } else { 1.0 };
+    let largest = if are_measured { largest / full } else { largest };
     if largest < FAINT {
         cloud.warnings.push(format!(
             "no alpha is above {largest:.2}, so the points hardly show; the column may be something else than alpha"

@@ -40,9 +40,9 @@ impl LargeFields {
     }
 }
 
-/// Returns the descriptors of extra bytes in extended records. Records that the file has no bytes for are ignored, as
-/// are all behind them.
-pub(super) fn extra_bytes(source: &mut InputFile, large: &LargeFields) -> Result<Vec<Vec<u8>>, Error> {
+/// Returns the descriptors of extra bytes in extended records, one behind the other. Records that the file has no
+/// bytes for are ignored, as are all behind them.
+pub(super) fn extra_bytes(source: &mut InputFile, large: &LargeFields) -> Result<Vec<u8>, Error> {
     let mut found = Vec::new();
     let mut at = large.start;
     for _ in 0..large.records {
@@ -56,7 +56,7 @@ pub(super) fn extra_bytes(source: &mut InputFile, large: &LargeFields) -> Result
             break;
         }
         if extra::is_record(user, id) && len <= MOST_DESCRIBED {
-            found.push(source.bytes(data, len as usize)?);
+            found.extend(source.bytes(data, len as usize)?);
         }
         at = data + len;
     }

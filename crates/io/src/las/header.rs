@@ -98,17 +98,14 @@ pub(super) fn read(source: &mut InputFile) -> Result<LasHeader, Error> {
     }
     let format = format(source, &raw)?;
     let vlrs = vlrs(source, &raw)?;
-    let described: Vec<Vec<u8>> = vlrs
-        .iter()
-        .filter(|vlr| extra::is_record(user_id(vlr), vlr.record_id))
-        .map(|vlr| vlr.data.clone())
-        .chain(evlrs::extra_bytes(source, &large)?)
-        .collect();
+    let describes = |vlr: &&raw::Vlr| extra::is_record(user_id(vlr), vlr.record_id);
+    let mut descriptors: Vec<u8> = vlrs.iter().filter(describes).flat_map(|vlr| &vlr.data).copied().collect();
+    descriptors.extend(evlrs::extra_bytes(source, &large)?);
     let laz = if format.is_compressed { Some(laz_vlr(source, &vlrs)?) } else { None };
     let header = LasHeader {
         count,
         record_len: raw.point_data_record_length.into(),
-        extra: extra::dimensions(&described.concat(), format.extra_bytes),
+        extra: extra::dimensions(&descriptors, format.extra_bytes),
         withheld: (raw.version.minor > 0).then_some(if format.is_extended { (15, 1 << 2) } else { (15, 1 << 7) }),
         format,
         transforms: transforms(&raw),

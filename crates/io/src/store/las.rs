@@ -13,12 +13,12 @@ use pellucid_core::progress::Progress;
 /// A LAS or LAZ file, in pieces of about half a million consecutive points each.
 ///
 /// Opening it decodes chunks from the start of the file until what decides about whole columns is known: the first
-/// pieces where colors have 16 bits and pulses several returns, the whole file where colors have 8 bits, where every
+/// pieces where colors have 16 bits and pulses several returns, the whole file where colors have fewer, where every
 /// pulse has one return, where GPS times are asked for, or where points lie outside of the header's box. Nothing of
 /// that pass is kept in memory.
 ///
-/// A node's box is that of its points if the pass came so far, else the header's. The points of an old LAZ file without
-/// chunks are one node.
+/// A node's box is that of its points if the pass came so far, else the header's. The points of an old LAZ file
+/// without chunks are one node.
 #[derive(Debug)]
 pub struct LasPieces {
     file: LasFile,
@@ -32,8 +32,8 @@ impl LasPieces {
     /// Opens a file with points. Of the columns that are read only where they are asked for, it has these.
     ///
     /// # Errors
-    /// Returns the errors of [`io::load`](crate::load) that show before the points are read, and an error if the header
-    /// makes coordinates infinite.
+    /// Returns the errors of [`io::load`](crate::load) that show before the points are read, and an error if the
+    /// header makes coordinates infinite.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
         Self::new(LasFile::open(InputFile::open(path)?, asked)?)
     }

@@ -111,7 +111,7 @@ impl SettingsField for Vec<ClassSettings> {
             "class.opacity": ValueKind::Number(Range::UNIT), without "the cloud's";
             /// Color of these points, in place of the cloud's.
             "class.color": ValueKind::Color, without "the cloud's";
-            /// False hides these points; they still count for radii, percentiles and the camera.
+            /// False hides these points; they still count for radii and percentiles.
             "class.visible": ValueKind::Flag, without "`true`";
         }
     }

@@ -19,7 +19,7 @@ use pellucid_core::cloud::Bounds;
 /// A COPC file, read node by node.
 ///
 /// Opening it reads the hierarchy, and decodes nodes from the root on until what decides about whole columns is known:
-/// the root where colors have 16 bits and pulses several returns, all nodes where colors have 8 bits, where every pulse
+/// the root where colors have 16 bits and pulses several returns, all nodes where colors have fewer, where every pulse
 /// has one return, or where GPS times are asked for.
 #[derive(Debug)]
 pub struct Copc {
