@@ -28,12 +28,12 @@ const CLEARANCE: f64 = 0.1;
 /// Returns the scene's camera, and warnings about it.
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter
-/// farther around where the scene is clearly broader), from the distance at which every framed point ([`Framed`]), as
-/// a sphere of its own radius, fits into the image with a margin of 5%. A given view overrides `eye` and `target`, and
-/// `up` then only defines the vertical axis; the clouds' vertical (the argument `up`) only counts without it. A scene
-/// whose points surround its middle, as those of a room do, is looked at from within unless anything is said of eye,
-/// target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z over
-/// the corners of the bounds: those of the framed points, or, with an `eye`, of all.
+/// farther around where the scene is clearly broader), from the distance at which every framed point (`camera.frame`),
+/// as a sphere of its own radius, fits into the image with a margin of 5%. A given view overrides `eye` and `target`,
+/// and `up` then only defines the vertical axis; the clouds' vertical (the argument `up`) only counts without it. A
+/// scene whose points surround its middle, as those of a room do, is looked at from within unless anything is said of
+/// eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z
+/// over the corners of the bounds: those of the framed points, or, with an `eye`, of all.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
