@@ -4,7 +4,7 @@ use glam::DVec3;
 use pellucid_core::progress::Progress;
 use rayon::prelude::*;
 
-use super::neighbors::{Again, Places};
+use super::neighbors::Places;
 
 /// Differences of mean distances below this share of their mean are rounding.
 const LEAST_DIFFERENCE: f64 = 1e-9;
@@ -34,8 +34,7 @@ pub fn find(positions: &[DVec3], rule: Rule, progress: &Progress) -> Vec<bool> {
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {
         return vec![false; positions.len()];
     };
-    let (distances, _) =
-        places.visit(k, Again::No, progress, |place, others, _| mean_distance(&places, place, others, k));
+    let distances = places.visit(k, progress, |place, others, _| mean_distance(&places, place, others, k));
     let factor = f64::from(rule.factor);
     let mut most = limit(&places, &distances, factor, f64::INFINITY);
     // Until the nearer ones are found, too.

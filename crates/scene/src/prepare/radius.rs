@@ -8,9 +8,8 @@
 
 use glam::DVec3;
 use pellucid_core::progress::Progress;
-use rayon::prelude::*;
 
-use super::neighbors::{Again, Lists, Places, least_of_median};
+use super::neighbors::Places;
 use pellucid_core::parallel;
 
 /// Default of the cap.
@@ -41,43 +40,31 @@ pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {
         return Radii { capped: vec![0.0; positions.len()], uncapped: vec![0.0; positions.len()] };
     };
-    let (distances, lists) = places.visit(k, again(cap), progress, |_, _, distance| distance);
+    let distances = places.visit(k, progress, |_, _, distance| distance);
     let ranks = places.ranks();
     let uncapped = of_distances(&places, &ranks, k, &distances);
-    Radii { capped: of_distances(&places, &ranks, k, &capped(&places, (k, cap), &lists, distances)), uncapped }
-}
-
-/// Returns the neighbors that [`capped`] needs.
-pub(super) fn again(cap: f32) -> Again {
-    if cap == 0.0 { Again::No } else { Again::Capped(cap) }
+    Radii { capped: of_distances(&places, &ranks, k, &capped(&places, (k, cap), distances)), uncapped }
 }
 
 /// Returns the distances of the last neighbors of each place, at most `cap` times the median of those of a point's K
 /// neighbors and its own. Radii are proportional to them. A point with at least K others in its place has distance 0.
-pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, distances: Vec<f64>) -> Vec<f64> {
+pub(super) fn capped(places: &Places, (k, cap): (usize, f32), distances: Vec<f64>) -> Vec<f64> {
     if cap == 0.0 {
         return distances;
     }
-    let of_rank = |rank: usize| distances[places.place_of(rank as u32)];
-    let by_rank: Vec<f64> = parallel::map(places.order.len(), of_rank);
-    let one = |around: &mut Vec<f64>, place: usize, others: &[u32]| {
+    let of_rank = |rank: u32| distances[places.place_of(rank)];
+    let one = |place: usize, others: &[u32]| {
         let own = distances[place];
-        // Enough of the radii around are large enough, and so is their median: nearly all places.
-        let beside = others.iter().filter(|&&rank| f64::from(cap) * by_rank[rank as usize] >= own).count();
-        if others.is_empty() || beside >= least_of_median(k) {
+        if others.is_empty() {
             return own;
         }
-        around.clear();
-        around.extend(places.members(place).map(|_| own));
-        around.extend(others.iter().map(|&rank| by_rank[rank as usize]));
+        let here = places.members(place).map(|_| own);
+        let mut around: Vec<f64> = here.chain(others.iter().map(|&rank| of_rank(rank))).collect();
         debug_assert_eq!(around.len(), k + 1);
-        own.min(f64::from(cap) * median(around))
+        own.min(f64::from(cap) * median(&mut around))
     };
-    let all = (0..places.len()).into_par_iter().with_min_len(1 << 10);
-    all.map_init(Vec::new, |around, place| {
-        lists.others(places, place, |others| one(around, place, others)).unwrap_or(distances[place])
-    })
-    .collect()
+    // Where no distance around is so much smaller, neither is their median: nearly everywhere.
+    places.revisit_uneven(k, f64::from(cap), &distances, one)
 }
 
 /// Returns the middle one of some values, of an even number the mean of the two middle ones; 0 for none.
@@ -108,22 +95,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lists_that_are_not_kept_are_not_needed() {
-        let cloud = cloud(4000, 7);
-        let places = Places::group(&cloud, None).unwrap();
+    fn a_cap_holds_by_the_median_of_each_neighborhood() {
+        let places = Places::group(&cloud(4000, 7), None).unwrap();
         for k in [1, 2, 3, 8, 24] {
+            let distances = places.visit(k, &Progress::hidden(), |_, _, distance| distance);
+            let around = |place: usize| -> Vec<f64> {
+                let (others, _) = places.others(place, k);
+                let others = others.into_iter().map(|rank| distances[places.place_of(rank)]);
+                std::iter::repeat_n(distances[place], k + 1 - others.len()).chain(others).collect()
+            };
             for cap in [0.5, 1.0, 1.2, 2.0, 4.0, 100.0] {
-                let capped_by = |again: Again| {
-                    let (distances, lists) = places.visit(k, again, &Progress::hidden(), |_, _, distance| distance);
-                    let kept =
-                        (0..places.len()).filter(|place| lists.others(&places, *place, |_| ()).is_some()).count();
-                    (capped(&places, (k, cap), &lists, distances), kept)
-                };
-                let ((all, every), (some, kept)) = (capped_by(Again::All), capped_by(Again::Capped(cap)));
-                assert!(all == some, "K = {k}, at most {cap}");
-                assert_eq!(every, places.len());
-                // Nearly all neighbors are nearer than 0.99 of the last one's distance.
-                assert!(cap < 100.0 || k < 8 || kept < every / 2, "K = {k}, at most {cap}: {kept} of {every}");
+                let capped = capped(&places, (k, cap), distances.clone());
+                for (place, found) in capped.into_iter().enumerate() {
+                    let expected = distances[place].min(f64::from(cap) * median(&mut around(place)));
+                    assert_eq!(found, expected, "K = {k}, at most {cap}, place {place}");
+                }
             }
         }
     }

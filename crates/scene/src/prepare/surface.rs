@@ -3,13 +3,15 @@
 
 use glam::{DVec3, Vec3};
 use pellucid_core::progress::Progress;
-use rayon::prelude::*;
 
-use super::neighbors::{Again, Lists, Places};
+use super::neighbors::{Lists, Places};
 use super::normal::{Moments, SmallestAxis, smallest_axes};
 use super::radius;
 use pellucid_core::cloud::field;
 use pellucid_core::parallel;
+
+/// Neighbors are kept up to this for F, and found again beyond it.
+const MAX_LIST_BYTES: usize = 2 << 30;
 
 /// The result of one pass over every point's neighbors, in the order of the cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -35,7 +37,8 @@ pub struct SurfaceEstimates {
 /// With fewer than K other points K is their number. Sums follow the Morton order of the neighbors, so that neither the
 /// order of the points nor the sign of a normal changes a bit.
 ///
-/// Takes about 4·K + 170 bytes per point; without the 4·K, and slower, if those are more than 2 GiB.
+/// Takes about 4·K + 170 bytes per point, of which the 4·K are 2 GiB at most: where they would be more, neighbors are
+/// found twice.
 pub fn estimate(
     positions: &[DVec3],
     normals: Option<&[Vec3]>,
@@ -112,19 +115,20 @@ pub(super) fn see(
         let moments = if missing { moments(places, place, others) } else { Moments::default() };
         (distance, moments)
     };
-    let again = if wants.fields { Again::All } else { radius::again(cap) };
-    let (seen, lists): (Vec<(f64, SmallestAxis)>, Lists) = places.visit_blocks(k, again, progress, see, |seen| {
+    let axes_of = |seen: Vec<(f64, Moments)>| {
         let (distances, moments): (Vec<f64>, Vec<Moments>) = seen.into_iter().unzip();
         let axes = if missing { smallest_axes(&moments) } else { vec![SmallestAxis::default(); moments.len()] };
         distances.into_iter().zip(axes).collect()
-    });
+    };
+    let (seen, lists): (Vec<(f64, SmallestAxis)>, Lists) =
+        places.visit_blocks(k, if wants.fields { MAX_LIST_BYTES } else { 0 }, progress, see, axes_of);
     let distances = parallel::map_each(&seen, |(distance, _)| *distance);
     let axes = parallel::map_each(&seen, |(_, axis)| *axis);
     drop(seen);
     let ranks = places.ranks();
     let last = parallel::map_each(&ranks, |&rank| distances[places.place_of(rank)] * places.unit);
     let uncapped = radius::of_distances(places, &ranks, k, &distances);
-    let distances = radius::capped(places, (k, cap), &lists, distances);
+    let distances = radius::capped(places, (k, cap), distances);
 
     let shape = |rank: usize| match given.map_or(Vec3::ZERO, |normals| normals[places.order[rank]]) {
         Vec3::ZERO if lacks => {
@@ -152,12 +156,8 @@ pub(super) fn see(
 
 /// Eq. 21 of all points by rank, without a factor common to all.
 fn spreads(places: &Places, lists: &Lists, k: usize, distances: &[f64], ranked: &[(Vec3, bool)]) -> Vec<f64> {
-    let of_place = |place: usize| {
-        let of = |others: &[u32]| spread(places, place, others, k, distances[place], ranked);
-        // Here all are kept, or found again.
-        lists.others(places, place, of).unwrap_or_else(|| vec![0.0; places.members(place).len()])
-    };
-    (0..places.len()).into_par_iter().with_min_len(1 << 10).flat_map_iter(of_place).collect()
+    let of = |place: usize, others: &[u32]| spread(places, place, others, k, distances[place], ranked);
+    lists.visit(places, of).into_iter().flatten().collect()
 }
 
 /// The moments of the points at a place and their neighbors elsewhere, in units of distance.

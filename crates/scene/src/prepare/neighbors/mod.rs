@@ -14,8 +14,8 @@ use glam::{DVec3, Vec3};
 use pellucid_core::progress::Progress;
 use rayon::prelude::*;
 
-use self::search::{Columns, NearestPlaces, Search};
-use self::tree::{LEAF, PlaceTree};
+use self::search::{Columns, NearestPlaces, Search, WIDER};
+use self::tree::{Cuboid, LEAF, PlaceTree};
 use super::keyed::Keyed;
 use super::morton;
 use pellucid_core::cloud::Bounds;
@@ -23,9 +23,6 @@ use pellucid_core::parallel;
 
 /// Places between two steps of the progress bar.
 const BLOCK: usize = 1 << 12;
-
-/// Lists of neighbors above this are not kept but found again when they are needed a second time.
-const MAX_LIST_BYTES: usize = 2 << 30;
 
 /// The distinct positions of a cloud and the points at each.
 ///
@@ -162,8 +159,7 @@ impl Places {
     /// ascending order, and the distance of the last in [`Places::unit`]s.
     pub fn others(&self, place: usize, k: usize) -> (Vec<u32>, f64) {
         let mut ranks = Vec::new();
-        let mut search = Search::new(&self.tree, &self.columns, k);
-        let distance = self.take(place, k, search.one(place), &mut ranks);
+        let distance = self.take(place, k, self.new_search(k).one(place), &mut ranks);
         (ranks, distance)
     }
 
@@ -218,43 +214,37 @@ impl Places {
         places
     }
 
-    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: which
-    /// lists are kept for a second visit, if memory allows.
+    /// Calls `see` for each place with [`Places::others`], on all cores, and returns what it returns.
     pub fn visit<T: Send>(
         &self,
         k: usize,
-        again: Again,
         progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
-    ) -> (Vec<T>, Lists) {
-        self.visit_blocks(k, again, progress, see, |seen| seen)
+    ) -> Vec<T> {
+        self.visit_blocks(k, 0, progress, see, |seen| seen).0
     }
 
     /// Visits places like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand
-    /// places at a time.
+    /// places at a time. Up to `room` bytes of neighbors are kept.
     pub fn visit_blocks<T, U: Send>(
         &self,
         k: usize,
-        again: Again,
+        room: usize,
         progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
         finish: impl Fn(Vec<T>) -> Vec<U> + Sync,
     ) -> (Vec<U>, Lists) {
         progress.set_length(self.len() as u64);
-        let keep = again != Again::No && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
-        let mut blocks: Vec<(Vec<U>, Kept)> = Vec::new();
+        let blocks_kept = room / (4 * k * BLOCK);
+        let mut blocks: Vec<(Vec<U>, Option<Kept>)> = Vec::new();
         blocks.resize_with(self.len().div_ceil(BLOCK), Default::default);
         parallel::for_each_mut(&mut blocks, |block, (finished, kept)| {
-            let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
+            let places = self.block(block);
+            *kept = (block < blocks_kept).then(Kept::default);
             let mut seen = Vec::with_capacity(places.len());
-            let mut ranks = Vec::with_capacity(k);
-            self.search(places.clone(), k, |place, found| {
-                let distance = self.take(place, k, found, &mut ranks);
-                seen.push(see(place, &ranks, distance));
-                if keep {
-                    let again = again.wants(k, found.squared, distance);
-                    kept.add(again.then_some(ranks.as_slice()));
-                }
+            self.search(places.clone(), k, |place, ranks, distance| {
+                seen.push(see(place, ranks, distance));
+                kept.iter_mut().for_each(|kept| kept.add(ranks));
             });
             progress.inc(places.len() as u64);
             *finished = finish(seen);
@@ -262,93 +252,114 @@ impl Places {
         let mut all = Vec::with_capacity(self.len());
         let (finished, kept): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
         finished.into_iter().for_each(|finished| all.extend(finished));
-        (all, Lists { k, kept: keep.then_some(kept) })
+        (all, Lists { k, kept })
     }
 
-    /// Calls `see` for each of some places with the places as near as the k-th other one.
-    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, NearestPlaces<'_>)) {
-        let mut search = Search::new(&self.tree, &self.columns, k);
+    /// Calls `see` with the neighbors of each place whose value exceeds `times` the least one around it, on all cores;
+    /// returns the values with what it returns in their place.
+    ///
+    /// `distances` are those of the last neighbors, and the values. Around a place are all that are as near as its last
+    /// neighbor, and some more.
+    pub fn revisit_uneven(
+        &self,
+        k: usize,
+        times: f64,
+        distances: &[f64],
+        see: impl Fn(usize, &[u32]) -> f64 + Sync,
+    ) -> Vec<f64> {
+        let least = self.tree.least(distances);
+        let around = |cuboid: &Cuboid, distance: f64| {
+            times * self.tree.least_around(&least, cuboid, distance * distance * WIDER)
+        };
+        let look = |leaves: &[u32]| {
+            let (mut search, mut ranks, mut changed) = (self.new_search(k), Vec::new(), Vec::new());
+            for &leaf in leaves {
+                let leaf = self.tree.nodes[leaf as usize];
+                let places = leaf.first as usize..(leaf.first + leaf.leaf_len) as usize;
+                // Most leaves are even as a whole.
+                let farthest = distances[places.clone()].iter().copied().fold(0.0, f64::max);
+                let least = around(&leaf.cuboid, farthest);
+                for place in places.filter(|&place| distances[place] > least) {
+                    let distance = distances[place];
+                    if distance > around(&Cuboid::at(self.columns.position(place)), distance) {
+                        self.take(place, k, search.one(place), &mut ranks);
+                        changed.push((place, see(place, &ranks)));
+                    }
+                }
+            }
+            changed
+        };
+        let changed: Vec<Vec<(usize, f64)>> = self.tree.leaves.par_chunks(BLOCK / LEAF).map(look).collect();
+        let mut values = distances.to_vec();
+        changed.into_iter().flatten().for_each(|(place, value)| values[place] = value);
+        values
+    }
+
+    /// The places of a block.
+    fn block(&self, block: usize) -> Range<usize> {
+        block * BLOCK..((block + 1) * BLOCK).min(self.len())
+    }
+
+    fn new_search(&self, k: usize) -> Search<'_> {
+        Search::new(&self.tree, &self.columns, k)
+    }
+
+    /// Calls `see` for each of some places with [`Places::others`].
+    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, &[u32], f64)) {
+        let (mut search, mut ranks) = (self.new_search(k), Vec::with_capacity(k));
         for &leaf in &self.tree.leaves[self.tree.leaf_of(places.start)..] {
             let leaf = self.tree.nodes[leaf as usize];
             let (from, to) = (leaf.first as usize, (leaf.first + leaf.leaf_len) as usize);
             if from >= places.end {
                 break;
             }
-            search.leaf(leaf, from.max(places.start)..to.min(places.end), &mut see);
+            search.leaf(leaf, from.max(places.start)..to.min(places.end), |place, found| {
+                let distance = self.take(place, k, found, &mut ranks);
+                see(place, &ranks, distance);
+            });
         }
     }
-}
-
-/// The neighbors that are needed a second time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Again {
-    No,
-    All,
-    /// Neighbors of places that a cap of so many times the median around them may change ([`super::radius::capped`]).
-    Capped(f32),
-}
-
-impl Again {
-    /// Returns `true` if the neighbors of a place are needed, those found at these squared distances, itself among
-    /// them, and the last of the K nearest at this distance.
-    ///
-    /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball
-    /// of radius d around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so
-    /// many that their median is, the cap changes nothing.
-    fn wants(self, k: usize, squared: &[f64], distance: f64) -> bool {
-        match self {
-            Self::No => false,
-            Self::All => true,
-            Self::Capped(cap) => {
-                // A little less, for what was rounded.
-                let near = (1.0 - 1.0 / f64::from(cap)) * distance * (1.0 - 1e-9);
-                let limit = if near > 0.0 { near * near } else { 0.0 };
-                let count = squared.iter().fold(0, |count, squared| count + u64::from(*squared <= limit));
-                count < least_of_median(k) as u64
-            }
-        }
-    }
-}
-
-/// Returns how many of `k` neighbors and the point itself have a value or a larger one, if their median does.
-pub(super) fn least_of_median(k: usize) -> usize {
-    k.div_ceil(2) + 1
 }
 
 /// The neighbors elsewhere of a block of places.
 #[derive(Default)]
 struct Kept {
     ranks: Vec<u32>,
-    /// Start of each place's neighbors in `ranks`, or [`NOT_NEEDED`].
+    /// Start of each place's neighbors in `ranks`.
     starts: Vec<u32>,
 }
 
-/// Instead of the first of neighbors that aren't kept.
-const NOT_NEEDED: u32 = u32::MAX;
-
 impl Kept {
-    /// Adds those of the next place, if they are needed.
-    fn add(&mut self, ranks: Option<&[u32]>) {
-        self.starts.push(ranks.map_or(NOT_NEEDED, |_| self.ranks.len() as u32));
-        self.ranks.extend_from_slice(ranks.unwrap_or_default());
+    /// Adds those of the next place.
+    fn add(&mut self, ranks: &[u32]) {
+        self.starts.push(self.ranks.len() as u32);
+        self.ranks.extend_from_slice(ranks);
     }
 }
 
-/// The neighbors elsewhere of places, if they were kept.
+/// The neighbors elsewhere of all places, as far as memory allows; the others are found again.
 pub(super) struct Lists {
     k: usize,
     /// Retained neighbors, by block of places.
-    kept: Option<Vec<Kept>>,
+    kept: Vec<Option<Kept>>,
 }
 
 impl Lists {
-    /// Hands those of a place to `see`; `None` if they aren't needed.
-    pub fn others<T>(&self, places: &Places, place: usize, see: impl FnOnce(&[u32]) -> T) -> Option<T> {
-        let Some(kept) = &self.kept else { return Some(see(&places.others(place, self.k).0)) };
-        let Kept { ranks, starts } = &kept[place / BLOCK];
-        let start = starts[place % BLOCK];
-        let list = || &ranks[start as usize..][..places.elsewhere(place, self.k)];
-        (start != NOT_NEEDED).then(|| see(list()))
+    /// Calls `see` for each place with its neighbors, on all cores, and returns what it returns.
+    pub fn visit<T: Send>(&self, places: &Places, see: impl Fn(usize, &[u32]) -> T + Sync) -> Vec<T> {
+        let of_block = |block: usize| {
+            let range = places.block(block);
+            let mut seen = Vec::with_capacity(range.len());
+            match &self.kept[block] {
+                Some(Kept { ranks, starts }) => {
+                    let list = |place: usize, start: u32| &ranks[start as usize..][..places.elsewhere(place, self.k)];
+                    seen.extend(range.zip(starts).map(|(place, &start)| see(place, list(place, start))));
+                }
+                None => places.search(range, self.k, |place, ranks, _| seen.push(see(place, ranks))),
+            }
+            seen
+        };
+        (0..self.kept.len()).into_par_iter().flat_map_iter(of_block).collect()
     }
 }
 
@@ -399,7 +410,7 @@ pub(super) mod tests {
                 assert_eq!((others.to_vec(), distance), brute_force(&places, place, k), "{count} {k} {place}");
                 assert_eq!(places.others(place, k), (others.to_vec(), distance), "{count} {k} {place}");
             };
-            places.visit(k, Again::No, &Progress::hidden(), see);
+            places.visit(k, &Progress::hidden(), see);
         }
     }
 
@@ -423,14 +434,46 @@ pub(super) mod tests {
     fn a_block_that_cuts_a_leaf_changes_nothing() {
         let places = Places::group(&cloud(1000, 5), None).unwrap();
         let mut all = Vec::new();
-        places.search(0..places.len(), 24, |place, found| all.push((place, found.places.to_vec(), found.last)));
+        places.search(0..places.len(), 24, |place, ranks, last| all.push((place, ranks.to_vec(), last)));
         let mut parts = Vec::new();
         for from in (0..places.len()).step_by(7) {
             let part = from..(from + 7).min(places.len());
-            places.search(part, 24, |place, found| parts.push((place, found.places.to_vec(), found.last)));
+            places.search(part, 24, |place, ranks, last| parts.push((place, ranks.to_vec(), last)));
         }
         assert_eq!(all, parts);
         assert!(all.iter().map(|(place, ..)| *place).eq(0..places.len()));
+    }
+
+    #[test]
+    fn neighbors_that_were_not_kept_are_found_again() {
+        let places = Places::group(&cloud(9000, 11), None).unwrap();
+        let (found, _) = places.visit_blocks(24, 0, &Progress::hidden(), |_, others, _| others.to_vec(), |seen| seen);
+        for blocks in 0..=3 {
+            let (room, hidden) = (blocks * 4 * 24 * BLOCK, Progress::hidden());
+            let (_, lists) = places.visit_blocks(24, room, &hidden, |_, _, distance| distance, |seen| seen);
+            assert_eq!(lists.kept.iter().flatten().count(), blocks);
+            assert_eq!(lists.kept.len(), 3);
+            assert!(lists.visit(&places, |_, others| others.to_vec()) == found, "{blocks} kept");
+        }
+    }
+
+    #[test]
+    fn every_uneven_place_is_visited_again_and_few_others() {
+        let points = cloud(20_000, 13);
+        let places = Places::group(&points, None).unwrap();
+        let (k, times) = (24, 4.0);
+        let distances = places.visit(k, &Progress::hidden(), |_, _, distance| distance);
+        let is_uneven = |place: usize| {
+            let (others, _) = places.others(place, k);
+            others.iter().any(|&rank| distances[place] > times * distances[places.place_of(rank)])
+        };
+        let visited = places.revisit_uneven(k, times, &distances, |_, _| -1.0);
+        let again = visited.iter().filter(|value| **value < 0.0).count();
+        for (place, value) in visited.into_iter().enumerate() {
+            assert!(value == -1.0 || value == distances[place] && !is_uneven(place), "place {place}");
+        }
+        // In the ball, the grid and about the outliers.
+        assert!(0 < again && again < places.len() / 10, "{again} of {}", places.len());
     }
 
     #[test]
@@ -439,7 +482,7 @@ pub(super) mod tests {
             let mut points: Vec<DVec3> = cloud(300, 9).into_iter().map(|p| p * (scale * 0.01)).collect();
             points[0] *= stray;
             let places = Places::group(&points, None).unwrap();
-            places.visit(24, Again::No, &Progress::hidden(), |place, others, distance| {
+            places.visit(24, &Progress::hidden(), |place, others, distance| {
                 assert_eq!((others.to_vec(), distance), brute_force(&places, place, 24), "{scale} {place}");
             });
         }

@@ -22,7 +22,7 @@ const RECENT: usize = 16;
 const CUTS: usize = 8;
 
 /// Widens a bound by the roundings of a distance and of a sum.
-const WIDER: f64 = 1.0 + 1e-14;
+pub(super) const WIDER: f64 = 1.0 + 1e-14;
 
 /// Positions by place, a coordinate at a time, in the unit of distances.
 #[derive(Debug, Default)]
@@ -85,8 +85,6 @@ pub(super) struct Search<'a> {
 pub(super) struct NearestPlaces<'a> {
     /// Places of the neighbors, in ascending order.
     pub places: &'a [u32],
-    /// The squared distance of each.
-    pub squared: &'a [f64],
     /// The largest of them.
     pub last: f64,
 }
@@ -150,7 +148,7 @@ impl<'a> Search<'a> {
                     near = self.gather(&leaf, reach);
                 }
             }
-            see(place, NearestPlaces { places: &self.found[..self.count], squared: &self.squared[..self.count], last });
+            see(place, NearestPlaces { places: &self.found[..self.count], last });
         }
     }
 
@@ -163,7 +161,7 @@ impl<'a> Search<'a> {
     pub fn one(&mut self, place: usize) -> NearestPlaces<'_> {
         self.through_tree(self.columns.position(place));
         let last = self.keep_nearest();
-        NearestPlaces { places: &self.found[..self.count], squared: &self.squared[..self.count], last }
+        NearestPlaces { places: &self.found[..self.count], last }
     }
 
     /// A distance within which as many places lie as are wanted, and the one that is asked for.
@@ -205,7 +203,7 @@ impl<'a> Search<'a> {
     /// Finds at least the places wanted through the tree, nearest box first.
     fn through_tree(&mut self, here: DVec3) {
         let Self { tree, columns, found, squared, moved, boxes, wanted, .. } = self;
-        let point = Cuboid { min: here, max: here };
+        let point = Cuboid::at(here);
         let mut count = 0;
         boxes.clear();
         let (mut bound, mut most) = (f64::INFINITY, 4 * (*wanted + LEAF));

@@ -21,6 +21,11 @@ pub(super) struct Cuboid {
 }
 
 impl Cuboid {
+    /// Returns the box of one position.
+    pub fn at(position: DVec3) -> Self {
+        Self { min: position, max: position }
+    }
+
     fn around(positions: impl Iterator<Item = DVec3>) -> Self {
         let start = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
         positions.fold(start, |all, p| Self { min: all.min.min(p), max: all.max.max(p) })
@@ -62,6 +67,39 @@ impl PlaceTree {
         let nodes = if codes.is_empty() { Vec::new() } else { branch(columns, codes, 0) };
         let leaves = nodes.iter().enumerate().filter(|(_, node)| node.leaf_len > 0);
         Self { leaves: leaves.map(|(index, _)| index as u32).collect(), nodes }
+    }
+
+    /// Returns the least value of the places below each node, from a value of each place.
+    pub fn least(&self, values: &[f64]) -> Vec<f64> {
+        let mut least = vec![f64::INFINITY; self.nodes.len()];
+        // Children come after their parent.
+        for (index, node) in self.nodes.iter().enumerate().rev() {
+            least[index] = if node.leaf_len > 0 {
+                let places = node.first as usize..(node.first + node.leaf_len) as usize;
+                values[places].iter().copied().fold(f64::INFINITY, f64::min)
+            } else {
+                let second = self.nodes[index + 1].next as usize;
+                least[index + 1].min(least[second])
+            };
+        }
+        least
+    }
+
+    /// Returns the least value in the leaves within a squared distance of a box, from those of [`PlaceTree::least`].
+    pub fn least_around(&self, least: &[f64], cuboid: &Cuboid, squared: f64) -> f64 {
+        let (mut found, mut index) = (f64::INFINITY, 0);
+        while let Some(node) = self.nodes.get(index) {
+            // What isn't less needs no distance: of an outlier, around which everything lies, few nodes are looked at.
+            if least[index] >= found || node.cuboid.squared(cuboid) > squared {
+                index = node.next as usize;
+                continue;
+            }
+            if node.leaf_len > 0 {
+                found = least[index];
+            }
+            index += 1;
+        }
+        found
     }
 
     /// Returns the index among leaves of the one with a place.
