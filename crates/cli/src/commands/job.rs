@@ -44,7 +44,7 @@ impl RenderJob {
             console.warn("--recalibrate has no effect without --max-error or --budget");
         }
         (request.choice.wish, request.choice.recalibrate) = (wish, args.choice.recalibrate);
-        request.wanted.legend = args.legend && is_png;
+        request.wanted.legend = args.legend.is_some() && is_png;
         request.frame.memory_budget = args.device.budget();
         // Samples of a deep image are all of them, and count themselves.
         if args.deep.format().is_none() {
@@ -152,7 +152,7 @@ impl Target {
         for (is_vain, what) in [
             (args.aov && png, "--aov has no effect on a PNG; write an .exr"),
             (args.transparent && !png, "--transparent has no effect on an EXR, which holds the alpha channel anyway"),
-            (args.legend && !png, "--legend has no effect on an EXR; write a .png"),
+            (args.legend.is_some() && !png, "--legend has no effect on an EXR; write a .png"),
         ] {
             if is_vain {
                 console.warn(what);

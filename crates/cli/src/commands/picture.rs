@@ -24,7 +24,7 @@ pub fn one(job: &RenderJob, output: &Path, progress: &Bar) -> Result<Option<Prof
         return Ok(None);
     }
     output::check_memory(output, prepared.frame().size)?;
-    legend::check(&prepared, progress)?;
+    legend::check(&prepared, &[prepared.camera], job.args.legend, progress);
     let session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
     let mut profile = session.profile();
     picture(job, session, output, None, &mut profile, progress)?;
@@ -42,7 +42,7 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar) -> Result<Profi
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
     let mut whole = opened.clone().prepare(progress, progress)?;
     output::check_memory(&pattern.file(count), whole.frame().size)?;
-    legend::check(&whole, progress)?;
+    legend::check(&whole, &[whole.camera], job.args.legend, progress);
     let (mut compilations, mut found) = (Vec::new(), None);
     if whole.see_through().is_some() {
         // As with the camera, clouds that are there already stay as they are when one joins.
@@ -114,8 +114,8 @@ pub fn write(
     rendered.image.layers = rendered.image.layers.take().filter(|_| job.args.aov);
     rendered.image.stderr = rendered.image.stderr.take().filter(|_| job.args.aov);
     session.begin_writing();
-    match &session.assembled().legend {
-        Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, messages)?,
+    match session.assembled().legend.as_ref().zip(job.args.legend) {
+        Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera)?,
         None => output::write_image(output, &rendered.image, &options)?,
     }
     rendered.image.fragments = rendered.image.fragments.take().or(counted);

@@ -17,6 +17,7 @@ use super::job::{RenderJob, Target};
 use super::options::{DeviceArgs, MeasureArgs, number};
 use super::touched::{Touched, Touches};
 use super::{measured, picture, sequence};
+use crate::legend::LegendPlace;
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -55,9 +56,14 @@ pub struct RenderArgs {
     pub transparent: bool,
     /// PNG: draw a legend of the colors, and a scale bar if the camera is orthographic.
     ///
-    /// The legend is a color bar with values, or a list of the classes in the picture, in the lower left corner.
-    #[arg(long, help_heading = OUTPUT)]
-    pub legend: bool,
+    /// The legend is a color bar with values, or a list of the classes in the picture, in the lower left corner. With
+    /// --legend=beside it stands in a column to the right, by which the file becomes wider than --size. In a small
+    /// picture it has smaller letters; where even those don't fit, it is left out.
+    #[arg(
+        long, value_name = "PLACE", help_heading = OUTPUT,
+        num_args = 0..=1, require_equals = true, default_missing_value = "over", value_enum,
+    )]
+    pub legend: Option<LegendPlace>,
     /// Number of frames for --path or --turntable; without a number a time series.
     ///
     /// Frames count from 0. Unless the output is a film, its name needs a number, as in frame_%04d.png (default: the

@@ -70,7 +70,7 @@ pub fn run(
     let console = progress.console;
     let (prepared, cameras) = along.prepare(job.request.clone(), progress)?;
     output::check_memory(&pattern.file(0), prepared.frame().size)?;
-    legend::check(&prepared, progress)?;
+    legend::check(&prepared, &cameras, job.args.legend, progress);
     let mut session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
     session.describe(progress);
     session.renderer.timed = job.args.measure.is_asked() || console.is_verbose();
@@ -272,7 +272,7 @@ fn identities(job: &RenderJob, cameras: &[Camera], session: &Session) -> Vec<Str
     let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, job.args.aov, job.args.transparent);
     if let Some(legend) = &prepared.assembled.legend {
         // Other values may have the same colors.
-        written.push_str(&format!(" {legend:?}"));
+        written.push_str(&format!(" {:?} {legend:?}", job.args.legend));
     }
     let whole =
         identity::hash(prepared.assembled.arranged(), &frame, prepared.scene().image.background, &written, info);

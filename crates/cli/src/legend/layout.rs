@@ -1,19 +1,27 @@
 //! Layout of a legend in a picture.
 
+use std::iter;
+
 use pellucid_core::camera::Camera;
 use pellucid_core::color::ticks::Tick;
 use pellucid_scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
 
+use super::LegendPlace;
 use super::canvas::Letters;
-
-/// Pixels on the shorter side of a picture that has room for a legend.
-const LEAST_PX: u32 = 160;
 
 /// The height of letters: of the picture's shorter side, and at least so many pixels.
 const EM: (f32, f32) = (0.02, 11.0);
 
-/// The share of the picture's width that a legend may take.
-const SHARE: f32 = 1.0 / 3.0;
+/// Letters become smaller in these steps where a legend doesn't fit, down to so many pixels, below which they can't be
+/// read.
+const SMALLER: (f32, f32) = (0.85, 7.0);
+
+/// The share of the picture's width that a legend over the picture may take: with letters of the usual height, and with
+/// smaller ones.
+const SHARE: [f32; 2] = [1.0 / 3.0, 0.5];
+
+/// The width of a column beside the picture, in heights of usual letters.
+const COLUMN: f32 = 15.0;
 
 /// Color bars in lines of text, from the best to the least.
 const BAR_LINES: [u32; 4] = [10, 8, 6, 5];
@@ -38,6 +46,16 @@ pub enum LegendRow<'a> {
     Scale(ScaleBar, Vec<String>),
     /// Nothing.
     Gap,
+}
+
+/// A legend, if there is one in a picture.
+pub enum Fit<'a> {
+    /// The legend has its place.
+    Fits(LegendLayout<'a>),
+    /// There is nothing to explain.
+    Nothing,
+    /// The picture has no room for it.
+    Misfit,
 }
 
 /// A legend with the sizes of its parts, in pixels.
@@ -75,42 +93,60 @@ impl LegendLayout<'_> {
 }
 
 impl<'a> LegendLayout<'a> {
-    /// The legend for a picture of so many columns and rows; `None` if there is nothing to show.
-    ///
-    /// # Errors
-    /// Returns a sentence that says why the legend does not fit.
-    pub fn new(legend: &'a Legend, camera: &Camera, size: [u32; 2]) -> Result<Option<Self>, String> {
+    /// The legend for a picture of so many columns and rows, with letters of the usual height or smaller ones.
+    pub fn fit(legend: &'a Legend, camera: &Camera, size: [u32; 2], place: LegendPlace) -> Fit<'a> {
         let scale_bar = ScaleBar::of(camera, size);
         if legend.is_empty() && scale_bar.is_none() {
-            return Ok(None);
+            return Fit::Nothing;
         }
-        let [width, height] = size;
-        let misfit = |why: &str| format!("--legend: a legend does not fit into {width} × {height} pixels: {why}");
-        let shorter = width.min(height);
-        if shorter < LEAST_PX {
-            return Err(misfit(&format!("each side must have at least {LEAST_PX}")));
-        }
-        let em = (EM.0 * shorter as f32).max(EM.1);
+        let (usual, column) = (usual_em(size), column(size, scale_bar.is_some()));
+        let smaller = |em: &f32| Some((SMALLER.0 * em).floor()).filter(|em| *em >= SMALLER.1);
+        let width = |em: f32| match place {
+            LegendPlace::Beside => column as f32,
+            LegendPlace::Over => SHARE[usize::from(em < usual)] * size[0] as f32,
+        };
+        let place = |em: f32| {
+            let room = width(em) - 2.0 * Self::padding(em);
+            Self::with_letters(em, [room, size[1] as f32], legend, scale_bar.as_ref())
+        };
+        iter::successors(Some(usual), smaller).find_map(place).map_or(Fit::Misfit, Fit::Fits)
+    }
+
+    /// The legend with letters of a height, its values and single colors shortened until it fits into the width of its
+    /// content and the height of the picture.
+    fn with_letters(
+        em: f32,
+        [room, height]: [f32; 2],
+        legend: &'a Legend,
+        scale_bar: Option<&ScaleBar>,
+    ) -> Option<Self> {
         let most_swatches = legend.entries.iter().map(|entry| entry.swatches.len()).max().unwrap_or(0);
         let whole = BAR_LINES.map(|lines| (lines, most_swatches));
         let shortened = (FEWEST..most_swatches).rev().map(|most| (BAR_LINES[3], most));
-        for (lines, most) in whole.into_iter().chain(shortened) {
-            let room = SHARE * width as f32 - 2.0 * Self::padding(em);
-            let letters = Letters::new(em).map_err(|_| misfit("its font can't be read"))?;
+        whole.into_iter().chain(shortened).find_map(|(lines, most)| {
+            let letters = Letters::new(em).ok()?;
             let mut builder = Builder { letters, em, room, rows: Vec::new(), widest: 0.0 };
-            builder.build(legend, scale_bar.as_ref(), lines, most);
+            builder.build(legend, scale_bar, lines, most);
             let Builder { letters, rows, widest, .. } = builder;
-            if widest > room {
-                return Err(misfit("its numbers would take more than a third of the width"));
-            }
             let sum: f32 = rows.iter().map(|(_, height)| height).sum();
             let panel = [widest, sum].map(|side| side.ceil() + 2.0 * Self::padding(em));
-            if panel[1] + 2.0 * Self::padding(em) <= height as f32 {
-                return Ok(Some(Self { rows, panel, em, letters }));
-            }
-        }
-        Err(misfit("it has too many lines"))
+            let fits = widest <= room && panel[1] + 2.0 * Self::padding(em) <= height;
+            fits.then_some(Self { rows, panel, em, letters })
+        })
     }
+}
+
+/// The usual height of letters in a picture of so many columns and rows.
+fn usual_em(size: [u32; 2]) -> f32 {
+    (EM.0 * size[0].min(size[1]) as f32).max(EM.1)
+}
+
+/// The width of the column beside a picture of so many columns and rows: even, so that a picture of even width stays
+/// so. It doesn't depend on the camera but for its kind, so that all frames of a film have one size.
+pub fn column(size: [u32; 2], has_scale_bar: bool) -> u32 {
+    let em = usual_em(size);
+    let bar = if has_scale_bar { ScaleBar::MOST * size[0] as f32 + 2.0 * LegendLayout::padding(em) } else { 0.0 };
+    ((COLUMN * em).max(bar).ceil() as u32).next_multiple_of(2)
 }
 
 /// Rows that are put below each other.

@@ -7,18 +7,19 @@ mod tests;
 
 use std::path::Path;
 
+use clap::ValueEnum;
 use glam::{DVec3, Vec3};
 use pellucid_core::camera::Camera;
+use pellucid_core::color::encode_srgb;
 use pellucid_core::color::ticks::Tick;
 use pellucid_core::image::Image;
 use pellucid_engine::Result;
 use pellucid_io::output::{self, Raster, WriteOptions};
-use pellucid_scene::Error;
 use pellucid_scene::legend::{Legend, ScaleBar, Values};
 use pellucid_session::{Messages, Prepared};
 
 use canvas::{Canvas, Ink};
-use layout::{LegendLayout, LegendRow};
+use layout::{Fit, LegendLayout, LegendRow};
 
 /// Linear luminance of a background from which on the panel is light: sRGB 0.5, halfway between black and white to the
 /// eye.
@@ -52,39 +53,56 @@ impl Looks {
     }
 }
 
-/// Checks the legend before anything is rendered: says if there will be none since there is nothing to explain.
-///
-/// # Errors
-/// The legend does not fit into the picture.
-pub fn check(prepared: &Prepared, messages: &dyn Messages) -> Result<()> {
-    let Some(legend) = &prepared.assembled.legend else { return Ok(()) };
-    match LegendLayout::new(legend, &prepared.camera, prepared.scene().image.size) {
-        Ok(Some(_)) => {}
-        Ok(None) => messages.note(
-            &"--legend draws nothing: the colors show neither values nor classes (see --color-by), and a scale bar needs an \
-             orthographic camera (--ortho)",
-        ),
-        Err(misfit) => return Err(Error::Usage(misfit).into()),
-    }
-    Ok(())
+/// Place of a legend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LegendPlace {
+    /// Over the lower left corner of the picture.
+    Over,
+    /// In a column to the right, by which the picture becomes wider.
+    Beside,
 }
 
-/// Writes a picture as a PNG with its legend; without one, and a warning, where it does not fit into this frame.
+/// Says, before anything is rendered by these cameras, where there will be no legend: since there is nothing to explain,
+/// or no room for it.
+pub fn check(prepared: &Prepared, cameras: &[Camera], place: Option<LegendPlace>, messages: &dyn Messages) {
+    let (Some(legend), Some(place)) = (&prepared.assembled.legend, place) else { return };
+    let size = prepared.scene().image.size;
+    let fit = |camera: &Camera| LegendLayout::fit(legend, camera, size, place);
+    if !cameras.iter().any(|camera| !matches!(fit(camera), Fit::Nothing)) {
+        messages.note(
+            &"--legend draws nothing: the colors show neither values nor classes (see --color-by), and a scale bar needs an \
+             orthographic camera (--ortho)",
+        );
+        return;
+    }
+    let Some(first) = cameras.iter().position(|camera| matches!(fit(camera), Fit::Misfit)) else { return };
+    let frame = if cameras.len() > 1 { format!(" from frame {first} on") } else { String::new() };
+    let [width, height] = size;
+    messages.note(&format_args!(
+        "--legend: a legend does not fit into {width} × {height} pixels, and is left out{frame}; a larger --size has room for it"
+    ));
+}
+
+/// Writes a picture as a PNG with its legend; without one where it does not fit into this frame.
 pub fn write(
     path: &Path,
     image: &Image,
     options: &WriteOptions,
-    legend: &Legend,
+    (legend, place): (&Legend, LegendPlace),
     camera: &Camera,
-    messages: &dyn Messages,
 ) -> Result<()> {
     let mut raster = output::raster(image, options);
     // The background of a transparent picture is not known.
     let looks = if options.transparent { DARK_PANEL } else { Looks::on(options.background) };
-    match LegendLayout::new(legend, camera, raster.size) {
-        Ok(Some(layout)) => draw(&layout, looks, &mut raster),
-        Ok(None) => {}
-        Err(misfit) => messages.warn(&misfit),
+    if let Fit::Fits(layout) = LegendLayout::fit(legend, camera, raster.size, place) {
+        match place {
+            LegendPlace::Over => draw(&layout, looks, &mut raster),
+            LegendPlace::Beside => {
+                let column = layout::column(raster.size, ScaleBar::of(camera, raster.size).is_some());
+                raster = widened(&raster, column, options.background);
+                draw_beside(&layout, looks, column, &mut raster);
+            }
+        }
     }
     Ok(output::write_raster(path, &raster, &options.metadata)?)
 }
@@ -93,13 +111,41 @@ pub fn write(
 fn draw(layout: &LegendLayout<'_>, looks: Looks, raster: &mut Raster) {
     let padding = LegendLayout::padding(layout.em);
     let corner = [padding, raster.size[1] as f32 - padding - layout.panel[1]];
+    Canvas::new(raster).fill(corner, layout.panel, looks.panel);
+    rows(layout, looks, corner, raster);
+}
+
+/// Draws a legend into the last columns of a picture, at their lower end.
+fn draw_beside(layout: &LegendLayout<'_>, looks: Looks, column: u32, raster: &mut Raster) {
+    let padding = LegendLayout::padding(layout.em);
+    let [width, height] = raster.size.map(|side| side as f32);
+    let left = width - column as f32;
+    Canvas::new(raster).fill([left, 0.0], [column as f32, height], looks.panel);
+    rows(layout, looks, [left, height - padding - layout.panel[1]], raster);
+}
+
+/// Draws the rows of a legend on a panel with this corner.
+fn rows(layout: &LegendLayout<'_>, looks: Looks, corner: [f32; 2], raster: &mut Raster) {
     let mut pen = Pen { canvas: Canvas::new(raster), layout, looks };
-    pen.canvas.fill(corner, layout.panel, looks.panel);
-    let [x, mut y] = corner.map(|edge| edge + padding);
+    let [x, mut y] = corner.map(|edge| edge + LegendLayout::padding(layout.em));
     for (row, height) in &layout.rows {
         pen.row(row, [x, y], *height);
         y += height;
     }
+}
+
+/// Returns a picture with more columns to the right: of its background, or of nothing where it is transparent.
+fn widened(raster: &Raster, column: u32, background: Vec3) -> Raster {
+    let pixel = if raster.alpha { 4 } else { 3 };
+    let [width, height] = raster.size;
+    let more: Vec<u8> = match raster.alpha {
+        true => vec![0; column as usize * pixel],
+        false => background.to_array().map(|value| output::to_byte(encode_srgb(value))).repeat(column as usize),
+    };
+    let rows = raster.bytes.chunks_exact(width as usize * pixel);
+    let mut bytes = Vec::with_capacity(raster.bytes.len() + more.len() * height as usize);
+    rows.for_each(|row| bytes.extend(row.iter().chain(&more)));
+    Raster { size: [width + column, height], alpha: raster.alpha, bytes }
 }
 
 /// Means by which rows are drawn.

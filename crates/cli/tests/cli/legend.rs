@@ -6,7 +6,7 @@ use glam::DVec3;
 use pellucid_core::cloud::Cloud;
 use pellucid_io::output::read_image;
 
-use crate::{assert_refused_with_device, builtin, device, done, folder, has_device, inside, run};
+use crate::{builtin, device, done, folder, has_device, inside, run};
 
 fn write_heights(path: &std::path::Path) {
     let positions = (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), f64::from(i % 7))).collect();
@@ -55,6 +55,42 @@ fn pictures_without_a_legend_say_so() {
     };
     assert!(said(&[&tori, "-o", "tori.png"]).starts_with("--legend draws nothing"));
     assert_eq!(said(&["a.ply", "-o", "a.exr"]), "warning: --legend has no effect on an EXR; write a .png\n");
-    let small = ["render", "a.ply", "--size", "120x90", "--legend", "-o", "small.png"];
-    assert_refused_with_device(&folder, &small, 2, &["--legend", "120 × 90", "each side must have at least 160"]);
+    let small = said(&["a.ply", "--size", "64x20", "-o", "small.png"]);
+    assert_eq!(
+        small,
+        "--legend: a legend does not fit into 64 × 20 pixels, and is left out; a larger --size has room for it\n"
+    );
+    done(&folder, &["render", "a.ply", "--size", "64x20", "-o", "plain.png"]);
+    assert_eq!(fs::read(inside(&folder, "small.png")).unwrap(), fs::read(inside(&folder, "plain.png")).unwrap());
+}
+
+#[test]
+fn a_legend_beside_hides_nothing() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_heights(&inside(&folder, "a.ply"));
+    let plain = ["render", "a.ply", "--color-by", "z", "--ortho", "--size", "320x240", "-o", "plain.png"];
+    done(&folder, &plain);
+    let with = |name, options: &[&str]| done(&folder, &[&plain[..8], &[name, "--legend=beside"], options].concat());
+    with("beside.png", &[]);
+    with("clear.png", &["--transparent"]);
+    with("turn_%d.png", &["--turntable", "--frames", "2"]);
+    with("turn.gif", &["--turntable", "--frames", "2"]);
+
+    let read = |name: &str| read_image(&inside(&folder, name)).unwrap();
+    let (plain, beside) = (read("plain.png"), read("beside.png"));
+    // 15 letters of 11 pixels, rounded up to an even number.
+    let wide = 320 + 166;
+    assert_eq!((beside.width as usize, beside.height as usize), (wide, 240));
+    let kept = |i: usize| plain.pixels[i] == beside.pixels[i / 320 * wide + i % 320];
+    assert!((0..320 * 240).all(kept));
+    let column = (0..wide * 240).filter(|i| i % wide >= 320);
+    assert!(column.filter(|i| beside.pixels[*i][0] > 0.5).count() > 100, "text and colors");
+    for name in ["clear.png", "turn_0.png", "turn_1.png"] {
+        assert_eq!(read(name).width as usize, wide, "{name}");
+    }
+    let gif = fs::read(inside(&folder, "turn.gif")).unwrap();
+    assert_eq!(gif[6..10], [(wide % 256) as u8, (wide / 256) as u8, 240, 0]);
 }

@@ -4,9 +4,6 @@ use super::UNITS;
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::color::ticks::round_below;
 
-/// The most of the image's width that a scale bar takes.
-const SHARE: f64 = 0.25;
-
 /// A line with its length in the world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScaleBar {
@@ -19,12 +16,15 @@ pub struct ScaleBar {
 }
 
 impl ScaleBar {
+    /// The most of the image's width that a scale bar takes.
+    pub const MOST: f32 = 0.25;
+
     /// Returns the longest one for an image of so many columns and rows; `None` where the same length has many sizes,
     /// in perspective.
     pub fn of(camera: &Camera, size: [u32; 2]) -> Option<Self> {
         let Projection::Orthographic { height } = camera.projection else { return None };
         let units_per_px = height / f64::from(size[1]);
-        let (length, label) = round_below(SHARE * f64::from(size[0]) * units_per_px)?;
+        let (length, label) = round_below(f64::from(Self::MOST) * f64::from(size[0]) * units_per_px)?;
         let unit = if length == 1.0 { UNITS.trim_end_matches('s') } else { UNITS };
         Some(Self { length, length_px: length / units_per_px, label: format!("{label} {unit}") })
     }

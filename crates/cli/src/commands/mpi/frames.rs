@@ -20,6 +20,7 @@ use crate::commands::job::RenderJob;
 use crate::commands::limit::usage;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::sequence::{Due, Frames, Records};
+use crate::legend;
 
 /// Renders the frames that are not there yet.
 ///
@@ -41,6 +42,7 @@ pub fn run(
     let mut cameras = Vec::new();
     let prepare = || {
         let (prepared, found) = along.prepare(job.request.clone(), progress)?;
+        legend::check(&prepared, &found, job.args.legend, progress);
         cameras = found;
         Ok((prepared, cameras.len()))
     };

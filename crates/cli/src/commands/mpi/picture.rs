@@ -13,6 +13,7 @@ use crate::commands::bar::Bar;
 use crate::commands::job::RenderJob;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::picture;
+use crate::legend;
 
 /// Renders the picture.
 ///
@@ -23,7 +24,9 @@ pub fn run(job: &RenderJob, sharing: &SharingArgs, output: &Path, ranks: &Ranks,
     let prepare = || {
         let mut request = job.request.clone();
         request.frame.counts |= is_profiled;
-        Ok((Prepared::new(request, progress, progress)?, 1))
+        let prepared = Prepared::new(request, progress, progress)?;
+        legend::check(&prepared, &[prepared.camera], job.args.legend, progress);
+        Ok((prepared, 1))
     };
     let mut stage = RankScene::open((&job.args.device, sharing.share), ranks, progress, prepare)?;
     stage.session.renderer.timed = is_profiled || progress.console.is_verbose();

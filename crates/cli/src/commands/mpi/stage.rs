@@ -23,7 +23,6 @@ use crate::commands::bar::Bar;
 use crate::commands::limit::usage;
 use crate::commands::mpi_args::Wanted;
 use crate::commands::options::DeviceArgs;
-use crate::legend;
 
 /// Least work of a rank, in seconds, for which some regions are handed out on demand: for each, points are picked,
 /// sent to the device and projected anew, about 50 ms on a CPU.
@@ -71,16 +70,11 @@ impl RankScene {
         progress: &Bar,
         prepare: impl FnOnce() -> Result<(Prepared, usize)>,
     ) -> Result<Self, Error> {
-        let checked = || {
-            let (prepared, frames) = prepare()?;
-            legend::check(&prepared, progress)?;
-            Ok((prepared, frames))
-        };
         ranks.begin("reading");
         if let Some(all) = ranks.led() {
-            return together(ranks, checked().and_then(|found| Self::spread((device, wanted), all, progress, found)));
+            return together(ranks, prepare().and_then(|found| Self::spread((device, wanted), all, progress, found)));
         }
-        let (prepared, frames) = together(ranks, checked())?;
+        let (prepared, frames) = together(ranks, prepare())?;
         together(ranks, compare(&identity(&prepared), ranks))?;
         let link = Link::measured(ranks).unwrap_or_default();
         // Points come region by region, so that each rank takes those of its own.
