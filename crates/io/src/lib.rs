@@ -3,6 +3,7 @@
 pub mod bitmap;
 mod channel;
 mod columns;
+mod crs;
 pub mod decoder;
 mod e57;
 mod las;

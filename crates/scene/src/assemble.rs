@@ -18,6 +18,7 @@ use super::scene::Scene;
 use super::seen::{leave_out, seen};
 use super::settings::{CloudSettings, Outliers};
 use super::surface_opacity::Opacity;
+use super::units::Units;
 use crate::prepare;
 use crate::prepare::Arranged;
 use crate::prepare::ensembles;
@@ -188,7 +189,8 @@ pub fn arrange_with_legend(
     seed: u64,
     progress: &Progress,
 ) -> Result<(Arranged, Legend), Error> {
-    let mut legend = Legend::default();
+    let systems = clouds.iter().map(|cloud| cloud.crs.clone()).collect();
+    let mut legend = Legend::new(Units::of(scene, systems));
     let arranged = arrange_explained(scene, clouds, seed, progress, Some(&mut legend))?;
     Ok((arranged, legend))
 }

@@ -186,6 +186,11 @@ impl<'a> Coloring<'a> {
         Ok(Scales { choice: self.choice.clone(), values, light })
     }
 
+    /// Returns the direction along which height is measured, upward.
+    pub fn up(&self) -> DVec3 {
+        self.vertical.up()
+    }
+
     /// Returns `true` if F of the points must be known.
     pub fn needs_field(&self) -> bool {
         self.settings.color.is_none() && self.choice.by == ColorBy::Field

@@ -49,6 +49,7 @@ mod surroundings;
 mod table;
 pub mod tracked;
 mod tree;
+mod units;
 mod view;
 
 pub use along::{Course, path_defaults};
@@ -73,4 +74,5 @@ pub use schema::{Key, Ladder, Range, Slider, ValueKind, Word, rounded};
 pub use setting::Setting;
 pub use settings::*;
 pub use surroundings::camera_notes;
+pub use units::{Systems, Units, differing_units};
 pub use view::{Vertical, View, ViewName};

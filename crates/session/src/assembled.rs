@@ -87,6 +87,7 @@ impl Assembled {
         progress: &Progress,
     ) -> Result<Self> {
         let is_classified = sources.are_classified();
+        let units = scene::differing_units(scene, &sources.systems());
         let Sources { clouds, derived, memory, .. } = sources;
         let made = match clouds {
             Clouds::Held(clouds) => {
@@ -97,6 +98,7 @@ impl Assembled {
                 Self::of_stores(scene, stored, wanted, messages, progress)?
             }
         };
+        units.iter().for_each(|warning| messages.warn(warning));
         made.colorings.iter().for_each(|how| messages.detail(how));
         scene::note_of_layers(&made.scene, made.points()).iter().for_each(|note| messages.note(note));
         Ok(made)

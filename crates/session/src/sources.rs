@@ -9,9 +9,9 @@ use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
 use pellucid_io::store::{self, Summary};
 use pellucid_io::{self as io, LasColumns};
-use pellucid_scene::stored::{Stores, are_complete, have_levels, open_stores};
+use pellucid_scene::stored::{self, Stores, are_complete, have_levels, open_stores};
 use pellucid_scene::tracked::DerivedColumns;
-use pellucid_scene::{Input, MethodChoice, Scene};
+use pellucid_scene::{Input, MethodChoice, Scene, Systems};
 
 use crate::messages::Messages;
 
@@ -162,6 +162,14 @@ impl Sources {
         }
         self.derived.truncate(count);
         self.read.truncate(count);
+    }
+
+    /// Returns the coordinate reference systems of the clouds.
+    pub fn systems(&self) -> Systems {
+        match &self.clouds {
+            Clouds::Held(clouds) => clouds.iter().map(|cloud| cloud.crs.clone()).collect(),
+            Clouds::Stored(stores) => stored::systems(stores),
+        }
     }
 
     /// Returns `true` if some points have other classes than 0 and 1, which LAS files give to points that nobody

@@ -71,7 +71,7 @@ impl Legends {
 pub fn show(ctx: &Context, model: &Model) {
     let picture = model.picture().filter(|_| model.shows.legend);
     let Some((picture, legend)) = picture.and_then(|picture| Some((picture, picture.legend.as_ref()?))) else { return };
-    let scale_bar = ScaleBar::of(&picture.camera, picture.size);
+    let scale_bar = legend.scale_bar(&picture.camera, picture.size);
     if legend.is_empty() && scale_bar.is_none() {
         return;
     }

@@ -9,6 +9,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pellucid_core::cloud::crs::{Crs, Unit};
 use pellucid_core::cloud::shadow_texture::Casting;
 use pellucid_core::cloud::{Cloud, Prepared};
 use pellucid_engine::Result;
@@ -47,9 +48,12 @@ pub struct InfoArgs {
     outliers: bool,
     /// Print JSON.
     ///
-    /// {points, non_finite, withheld, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms,
+    /// {points, non_finite, withheld, bounds: {min, max}, crs, attributes, classes, ranges, spacing, layers, histograms,
     /// command}. `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a
     /// scalar to [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
+    ///
+    /// `crs` is null or the coordinate reference system that the file states: {name, epsg, unit, vertical_unit, wkt}, each
+    /// null where it is unknown. A unit is {name, meters}; `meters` is null for an angle.
     ///
     /// Gaussian splats also have `gaussians: {count, degree, filter, up, color, extents: {min, median, max}}`; `color`
     /// is "encoded", "linear" or "both". --outliers adds their number as `outliers`. A prepared cloud has `prepared:
@@ -149,6 +153,7 @@ fn to_json(seen: &Seen) -> Value {
         "non_finite": cloud.non_finite,
         "withheld": cloud.withheld,
         "bounds": cloud.bounds().map(|b| json!({ "min": b.min.to_array(), "max": b.max.to_array() })),
+        "crs": cloud.crs.as_deref().map(crs_json),
         "attributes": attributes(cloud),
         "classes": classes,
     });
@@ -176,6 +181,28 @@ fn to_json(seen: &Seen) -> Value {
         }
     }
     value
+}
+
+/// The coordinate reference system; what is unknown is null.
+fn crs_json(crs: &Crs) -> Value {
+    json!({
+        "name": Some(&crs.name).filter(|name| !name.is_empty()),
+        "epsg": crs.epsg,
+        "unit": crs.unit,
+        "vertical_unit": crs.vertical_unit,
+        "wkt": crs.wkt,
+    })
+}
+
+/// Lines about the coordinate reference system, each after a line break.
+fn crs_text(crs: &Crs) -> String {
+    let described = |unit: &Option<Unit>| unit.as_ref().map(Unit::described);
+    let heights = described(&crs.vertical_unit).filter(|_| crs.vertical_unit != crs.unit);
+    let unit = match (described(&crs.unit), heights) {
+        (unit, None) => unit.unwrap_or_else(|| "not stated".to_owned()),
+        (unit, Some(heights)) => format!("{}, heights in {heights}", unit.unwrap_or_else(|| "not stated".to_owned())),
+    };
+    format!("\n  crs         {}\n  unit        {unit}", crs.title())
 }
 
 /// Thresholds, each with the share of points whose F is at most the threshold; the rest are soft.
@@ -233,6 +260,7 @@ fn to_text(seen: &Seen) -> String {
         let size = bounds.max - bounds.min;
         let _ = write!(text, "\n  bounds      {} to {}\n  size        {size}", bounds.min, bounds.max);
     }
+    cloud.crs.iter().for_each(|crs| text.push_str(&crs_text(crs)));
     if let Some(outliers) = outliers {
         let _ = write!(text, "\n  outliers    {outliers}");
     }

@@ -26,6 +26,9 @@ const COLUMN: f32 = 15.0;
 /// Color bars in lines of text, from the best to the least.
 const BAR_LINES: [u32; 4] = [10, 8, 6, 5];
 
+/// The same where nothing else helps.
+const SHORT_BAR: u32 = 3;
+
 /// The least single colors of an entry that are shown before the rest is only counted.
 const FEWEST: usize = 2;
 
@@ -95,7 +98,7 @@ impl LegendLayout<'_> {
 impl<'a> LegendLayout<'a> {
     /// The legend for a picture of so many columns and rows, with letters of the usual height or smaller ones.
     pub fn fit(legend: &'a Legend, camera: &Camera, size: [u32; 2], place: LegendPlace) -> Fit<'a> {
-        let scale_bar = ScaleBar::of(camera, size);
+        let scale_bar = legend.scale_bar(camera, size);
         if legend.is_empty() && scale_bar.is_none() {
             return Fit::Nothing;
         }
@@ -123,7 +126,7 @@ impl<'a> LegendLayout<'a> {
         let most_swatches = legend.entries.iter().map(|entry| entry.swatches.len()).max().unwrap_or(0);
         let whole = BAR_LINES.map(|lines| (lines, most_swatches));
         let shortened = (FEWEST..most_swatches).rev().map(|most| (BAR_LINES[3], most));
-        whole.into_iter().chain(shortened).find_map(|(lines, most)| {
+        whole.into_iter().chain(shortened).chain([(SHORT_BAR, FEWEST)]).find_map(|(lines, most)| {
             let letters = Letters::new(em).ok()?;
             let mut builder = Builder { letters, em, room, rows: Vec::new(), widest: 0.0 };
             builder.build(legend, scale_bar, lines, most);

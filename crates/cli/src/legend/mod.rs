@@ -98,7 +98,7 @@ pub fn write(
         match place {
             LegendPlace::Over => draw(&layout, looks, &mut raster),
             LegendPlace::Beside => {
-                let column = layout::column(raster.size, ScaleBar::of(camera, raster.size).is_some());
+                let column = layout::column(raster.size, legend.scale_bar(camera, raster.size).is_some());
                 raster = widened(&raster, column, options.background);
                 draw_beside(&layout, looks, column, &mut raster);
             }

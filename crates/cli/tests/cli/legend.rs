@@ -49,11 +49,11 @@ fn pictures_without_a_legend_say_so() {
     let device = device();
     let device: Vec<&str> = device.iter().flat_map(|name| ["--device", name.as_str()]).collect();
     let said = |args: &[&str]| {
-        let (status, _, stderr) = run(&folder, &[&["render", "--size", "200x200", "--legend"], args, &device].concat());
+        let (status, _, stderr) = run(&folder, &[&["render", "--legend"], args, &device].concat());
         assert_eq!(status, 0, "{stderr}");
         stderr
     };
-    assert!(said(&[&tori, "-o", "tori.png"]).starts_with("--legend draws nothing"));
+    assert!(said(&[&tori, "--size", "200x200", "-o", "tori.png"]).starts_with("--legend draws nothing"));
     assert_eq!(said(&["a.ply", "-o", "a.exr"]), "warning: --legend has no effect on an EXR; write a .png\n");
     let small = said(&["a.ply", "--size", "64x20", "-o", "small.png"]);
     assert_eq!(

@@ -1,5 +1,6 @@
 //! A point cloud as a file holds it: float64 positions and named columns, in the file's order.
 
+pub mod crs;
 #[doc(hidden)]
 pub mod depth_camera;
 pub mod facts;
@@ -12,10 +13,13 @@ pub mod shadow_texture;
 #[doc(hidden)]
 pub mod upright;
 
+use std::sync::Arc;
+
 use glam::{BVec3, DVec3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crs::Crs;
 use field::Field;
 use filter::Filter;
 use gaussians::Gaussians;
@@ -103,6 +107,8 @@ pub struct Cloud {
     pub up: UpAxis,
     /// Reason why it isn't the axis of the file's format, if its points alone say so: the end of a sentence.
     pub up_reason: Option<&'static str>,
+    /// The coordinate reference system that the file states.
+    pub crs: Option<Arc<Crs>>,
     /// Data that `pellucid prepare` stored with the points, if they are unchanged since then.
     pub prepared: Option<Prepared>,
     /// Oddities of the file that did not prevent reading it, one sentence each.

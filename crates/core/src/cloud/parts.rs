@@ -40,6 +40,7 @@ impl Cloud {
             withheld: self.withheld,
             up: self.up,
             up_reason: self.up_reason,
+            crs: self.crs.clone(),
             prepared,
             warnings: self.warnings.clone(),
         }

@@ -11,11 +11,13 @@ mod limits;
 mod scan;
 
 use std::io::{Read, Seek};
+use std::sync::Arc;
 
 use ::e57::{E57Reader, PointCloud};
 use pellucid_core::progress::Progress;
 
 use super::columns::Columns;
+use super::crs;
 use super::number::long;
 use super::{Error, InputFile, PROGRESS_STEP, decoder};
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -93,6 +95,7 @@ fn check_header(source: &mut InputFile) -> Result<(), Error> {
 
 fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud, Problem> {
     let mut reader = E57Reader::new(file).map_err(|e| Problem::library("E57 header", &e))?;
+    let crs = reader.coordinate_metadata().and_then(crs::parse);
     let mut clouds: Vec<_> = (1..).zip(reader.pointclouds()).collect();
     clouds.retain(|(_, cloud)| cloud.records > 0);
     if clouds.is_empty() {
@@ -125,7 +128,7 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
     stored.colors.iter_mut().for_each(|colors| limits::scale_colors(colors, &limits));
     stored.intensity.iter_mut().for_each(|values| limits::scale_intensities(values, &limits));
     let mut cloud = columns.finish();
-    cloud.up = UpAxis::Z;
+    (cloud.up, cloud.crs) = (UpAxis::Z, crs.map(Arc::new));
     let left_out = |name| format!("`{name}` is left out: not every scan has it");
     cloud.warnings.extend(table.left_out.iter().map(left_out));
     Ok(cloud)

@@ -1,6 +1,5 @@
 //! Fields of the header and records that LAS has since 1.4.
 
-use super::extra;
 use super::header::until_zero;
 use crate::number::{long, short, word};
 use crate::{Error, InputFile};
@@ -11,8 +10,20 @@ const FIELDS: (u64, usize) = (235, 20);
 /// Bytes of an extended variable-length record before its data.
 const HEADER: u64 = 60;
 
-/// Descriptors of extra bytes take no more, since a point has at most 65535 of them.
-const MOST_DESCRIBED: u64 = 192 << 16;
+/// Records that are read take no more: descriptors of extra bytes, of which a point has at most 65535.
+const MOST_BYTES: u64 = 192 << 16;
+
+/// Records that are read at most.
+const MOST_RECORDS: usize = 64;
+
+/// A record of the header or behind the points.
+#[derive(Debug)]
+pub(super) struct Record {
+    /// Without the zeros behind it.
+    pub user: Vec<u8>,
+    pub id: u16,
+    pub data: Vec<u8>,
+}
 
 /// Fields for files that are larger than 32 bits can say.
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,9 +51,13 @@ impl LargeFields {
     }
 }
 
-/// Returns the descriptors of extra bytes in extended records, one behind the other. Records that the file has no
-/// bytes for are ignored, as are all behind them.
-pub(super) fn extra_bytes(source: &mut InputFile, large: &LargeFields) -> Result<Vec<u8>, Error> {
+/// Returns the extended records that are wanted, by user and identifier. Records that the file has no bytes for are
+/// ignored, as are all behind them.
+pub(super) fn read(
+    source: &mut InputFile,
+    large: &LargeFields,
+    is_wanted: impl Fn(&[u8], u16) -> bool,
+) -> Result<Vec<Record>, Error> {
     let mut found = Vec::new();
     let mut at = large.start;
     for _ in 0..large.records {
@@ -55,8 +70,9 @@ pub(super) fn extra_bytes(source: &mut InputFile, large: &LargeFields) -> Result
         if len > source.len - data {
             break;
         }
-        if extra::is_record(user, id) && len <= MOST_DESCRIBED {
-            found.extend(source.bytes(data, len as usize)?);
+        if is_wanted(user, id) && found.len() < MOST_RECORDS && len <= MOST_BYTES {
+            let (user, data) = (user.to_vec(), source.bytes(data, len as usize)?);
+            found.push(Record { user, id, data });
         }
         at = data + len;
     }

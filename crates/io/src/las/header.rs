@@ -1,6 +1,7 @@
 //! The header and the variable-length records of a LAS file, checked against the file's size.
 
 use std::io::{Read, Seek, SeekFrom};
+use std::sync::Arc;
 
 use glam::DVec3;
 use las::point::Format;
@@ -10,8 +11,10 @@ use laz::LazVlr;
 
 use super::evlrs::{self, LargeFields};
 use super::extra::{self, Dimension};
+use super::projection;
 use crate::{Error, InputFile, decoder};
 use pellucid_core::cloud::Bounds;
+use pellucid_core::cloud::crs::Crs;
 
 /// The last known version is 1.5.
 const LAST_MINOR: u8 = 5;
@@ -42,6 +45,8 @@ pub(crate) struct LasHeader {
     pub bounds: Bounds,
     /// The record that makes a COPC file of it.
     pub copc: Option<Vec<u8>>,
+    /// The coordinate reference system that records describe.
+    pub crs: Option<Arc<Crs>>,
     /// Oddities of the header that did not prevent reading it.
     pub warnings: Vec<String>,
 }
@@ -98,9 +103,12 @@ pub(super) fn read(source: &mut InputFile) -> Result<LasHeader, Error> {
     }
     let format = format(source, &raw)?;
     let vlrs = vlrs(source, &raw)?;
-    let describes = |vlr: &&raw::Vlr| extra::is_record(user_id(vlr), vlr.record_id);
-    let mut descriptors: Vec<u8> = vlrs.iter().filter(describes).flat_map(|vlr| &vlr.data).copied().collect();
-    descriptors.extend(evlrs::extra_bytes(source, &large)?);
+    let is_wanted = |user: &[u8], id: u16| extra::is_record(user, id) || projection::is_record(user, id);
+    let extended = evlrs::read(source, &large, is_wanted)?;
+    let of_header = vlrs.iter().map(|vlr| (user_id(vlr), vlr.record_id, vlr.data.as_slice()));
+    let records = || of_header.clone().chain(extended.iter().map(|record| (&*record.user, record.id, &*record.data)));
+    let descriptors = records().filter(|(user, id, _)| extra::is_record(user, *id)).flat_map(|(.., data)| data);
+    let descriptors: Vec<u8> = descriptors.copied().collect();
     let laz = if format.is_compressed { Some(laz_vlr(source, &vlrs)?) } else { None };
     let header = LasHeader {
         count,
@@ -115,6 +123,7 @@ pub(super) fn read(source: &mut InputFile) -> Result<LasHeader, Error> {
             min: DVec3::new(raw.min_x, raw.min_y, raw.min_z),
             max: DVec3::new(raw.max_x, raw.max_y, raw.max_z),
         },
+        crs: projection::crs(records(), raw.global_encoding).map(Arc::new),
         copc: vlrs.iter().find(is_copc).map(|vlr| vlr.data.clone()),
         warnings,
     };

@@ -2,13 +2,14 @@
 //!
 //! The libraries read headers and decompress; everything a file claims (records, counts, lengths) is compared with its
 //! size here first, since they allocate what is claimed. Of extended variable-length records those are read that
-//! describe extra bytes.
+//! describe extra bytes or the coordinate reference system.
 
 mod chunks;
 mod columns;
 mod evlrs;
 mod extra;
 mod header;
+mod projection;
 mod times;
 mod traits;
 
@@ -104,7 +105,8 @@ impl LasFile {
 
     /// Returns the cloud of some of the points, of which all together have these traits.
     pub fn finish(&self, columns: Columns, traits: &Traits) -> Cloud {
-        columns.finish(self.extra_names(), self.asked, traits)
+        let crs = self.header.crs.clone();
+        Cloud { crs, ..columns.finish(self.extra_names(), self.asked, traits) }
     }
 
     /// Returns the names of the extra dimensions.

@@ -1,9 +1,12 @@
 //! Data that `pellucid prepare` stores in a PLY file: the properties `radius`, `field` and perhaps `lit`, and one
 //! comment that describes them and identifies the points (docs/prepared-clouds.md).
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::prepared::check_claim;
+use pellucid_core::cloud::crs::Crs;
 use pellucid_core::cloud::field::Field;
 use pellucid_core::cloud::shadow_texture::{Casting, ShadowTexture};
 use pellucid_core::cloud::{Cloud, Prepared, UpAxis};
@@ -36,6 +39,9 @@ struct Claim {
     /// The description of `lit`; omitted while `content` is computed, since older readers don't know it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shadows: Option<ShadowClaim>,
+    /// The coordinate reference system of the source; omitted while `content` is computed, as `shadows` is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    crs: Option<Crs>,
 }
 
 /// The comment's description of `lit`.
@@ -73,6 +79,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
         field: prepared.field.clone(),
         content: String::new(),
         shadows: None,
+        crs: None,
     };
     let lit = prepared.shadows.as_ref().map(|shadows| shadows.lit.as_slice());
     claim.content = content(cloud, &prepared.values, lit, &claim)?;
@@ -81,6 +88,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
         shadows.content = shadow_content(&shadows, &claim.content)?;
         claim.shadows = Some(shadows);
     }
+    claim.crs = cloud.crs.as_deref().cloned();
     Ok(Some(format!("{WORD} {}", serde_json::to_string(&claim)?)))
 }
 
@@ -102,6 +110,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
         }
     };
     let (claimed, shadows) = (std::mem::take(&mut claim.content), claim.shadows.take());
+    cloud.crs = claim.crs.take().map(|crs| Arc::new(crs.checked()));
     cloud.up = claim.up;
     cloud.up_reason = None;
     let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);

@@ -32,6 +32,7 @@ pub(super) fn fitted(cloud: Cloud, like: &Cloud) -> Cloud {
         prepared: like.prepared.as_ref().and(cloud.prepared),
         up: like.up,
         up_reason: like.up_reason,
+        crs: like.crs.clone(),
         ..Cloud::default()
     }
 }

@@ -1,10 +1,12 @@
 //! Several stores as one cloud: the tiles of a survey, or scans of one place.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::fitted::fitted;
 use super::{Grid, Node, Piece, Store, Summary};
 use crate::Error;
+use pellucid_core::cloud::crs::Crs;
 use pellucid_core::cloud::gaussians::{ColorCoding, Gaussians};
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME};
 
@@ -111,9 +113,27 @@ pub(super) fn like(all: &[&Summary]) -> Cloud {
         non_finite: clouds().map(|cloud| cloud.non_finite).sum(),
         up: first.up,
         up_reason: first.up_reason,
+        crs: shared_crs(all).ok().flatten(),
         warnings: warnings(all, prepared.is_some(), keeps_radii),
         prepared,
         ..Cloud::default()
+    }
+}
+
+/// Says that inputs state different systems.
+pub(super) fn differing_crs(all: &[&Summary]) -> Option<String> {
+    let [(first, crs), (path, other)] = shared_crs(all).err()?;
+    let (first, path) = (first.display(), path.display());
+    Some(format!("{first} is in {crs}, but {path} in {other}, so together they have no coordinate reference system"))
+}
+
+/// Returns the system of all that state one; the first two that differ, as an error.
+fn shared_crs(all: &[&Summary]) -> Result<Option<Arc<Crs>>, [(PathBuf, String); 2]> {
+    let mut stated = all.iter().filter_map(|summary| Some((&summary.path, summary.like.crs.as_ref()?)));
+    let Some((first, crs)) = stated.next() else { return Ok(None) };
+    match stated.find(|(_, other)| *other != crs) {
+        None => Ok(Some(Arc::clone(crs))),
+        Some((path, other)) => Err([(first.clone(), crs.title()), (path.clone(), other.title())]),
     }
 }
 
@@ -124,6 +144,7 @@ fn warnings(all: &[&Summary], keeps_prepared: bool, keeps_radii: bool) -> Vec<St
         let of = |warning: &String| if several { format!("{}: {warning}", path.display()) } else { warning.clone() };
         warnings.extend(like.warnings.iter().map(of));
     }
+    warnings.extend(differing_crs(all));
     if let Some(other) = all.iter().find(|summary| summary.up != all[0].up) {
         warnings.push(format!(
             "{} has {:?} as its up axis, but {} has {:?}, which is used for all files",

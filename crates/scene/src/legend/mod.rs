@@ -11,6 +11,9 @@ use super::coloring::Coloring;
 use super::error::Error;
 use super::seen::seen;
 use super::settings::ColorBy;
+use super::units::Units;
+use pellucid_core::camera::Camera;
+use pellucid_core::cloud::crs::Unit;
 use pellucid_core::color::colormap::Colormap;
 use pellucid_core::color::scale::Scale;
 use pellucid_core::color::{classes, encode_srgb_f64};
@@ -18,7 +21,7 @@ use pellucid_core::parallel;
 
 pub use scale_bar::ScaleBar;
 
-/// Unit of lengths as long as a file doesn't say.
+/// Unit of lengths where files don't say.
 const UNITS: &str = "units";
 
 /// Columns that are lengths.
@@ -31,6 +34,8 @@ pub struct Legend {
     pub entries: Vec<Entry>,
     /// The number of the scene's clouds.
     clouds: usize,
+    /// Units of lengths.
+    units: Units,
 }
 
 /// The meaning of the colors of some clouds.
@@ -89,6 +94,16 @@ impl Swatch {
 }
 
 impl Legend {
+    /// Returns a legend without entries, for a scene with these units.
+    pub(super) fn new(units: Units) -> Self {
+        Self { units, ..Self::default() }
+    }
+
+    /// Returns the longest scale bar for an image of so many columns and rows; `None` in perspective.
+    pub fn scale_bar(&self, camera: &Camera, size: [u32; 2]) -> Option<ScaleBar> {
+        ScaleBar::of(camera, size, self.units.along(camera.right))
+    }
+
     /// Returns `true` if there is nothing to explain.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
@@ -125,7 +140,7 @@ impl Legend {
         dropped: Option<&[bool]>,
     ) -> Result<(), Error> {
         self.clouds += 1;
-        let Some(mut entry) = entry(coloring, clips, fields, dropped)? else { return Ok(()) };
+        let Some(mut entry) = entry(coloring, &self.units, clips, fields, dropped)? else { return Ok(()) };
         let alike = |known: &&mut Entry| {
             known.by_cloud && entry.by_cloud
                 || (&known.heading, &known.values, &known.swatches) == (&entry.heading, &entry.values, &entry.swatches)
@@ -161,6 +176,7 @@ type Scaled = Option<(Vec<f64>, Scale)>;
 /// The meaning of a cloud's colors, if they have any.
 fn entry(
     coloring: &Coloring<'_>,
+    units: &Units,
     clips: &Clips,
     fields: Option<&[f32]>,
     dropped: Option<&[bool]>,
@@ -196,7 +212,7 @@ fn entry(
         reverse: settings.coloring.reverse,
     });
     let shown = values.is_some() || met.missing || by_cloud;
-    let heading = if shown { coloring.by().and_then(quantity) } else { None };
+    let heading = if shown { coloring.by().and_then(|by| quantity(by, coloring, units)) } else { None };
     let heading = heading.or_else(|| met.classes.contains(&true).then(|| "class".to_owned()));
     let anything = values.is_some() || !swatches.is_empty();
     Ok(anything.then(|| Entry { clouds: vec![*index], files: vec![file], heading, values, swatches, by_cloud }))
@@ -244,16 +260,19 @@ fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scale
 }
 
 /// Returns what colors show, with its unit; `None` if it needs no words.
-fn quantity(by: &ColorBy) -> Option<String> {
+fn quantity(by: &ColorBy, coloring: &Coloring<'_>, units: &Units) -> Option<String> {
+    let with = |words: &str, unit: Option<&Unit>| Some(format!("{words} ({})", unit.map_or(UNITS, Unit::symbol)));
     let words = match by {
-        ColorBy::Height => return Some(format!("height ({UNITS})")),
+        ColorBy::Height => return with("height", units.along(coloring.up())),
         ColorBy::Intensity => "intensity",
         ColorBy::Return => "return number",
         ColorBy::Source => "point source",
         ColorBy::GpsTime => "seconds since the first point",
         ColorBy::Field => "field F",
         ColorBy::Cloud => "cloud",
-        ColorBy::Scalar(name) if LENGTHS.contains(&name.as_str()) => return Some(format!("{name} ({UNITS})")),
+        ColorBy::Scalar(name) if LENGTHS.contains(&name.as_str()) => {
+            return with(name, units.of_column(coloring.index, name));
+        }
         ColorBy::Scalar(name) => name,
         ColorBy::Auto | ColorBy::Rgb | ColorBy::Classification | ColorBy::Normal | ColorBy::Uniform => return None,
     };

@@ -26,6 +26,7 @@ use super::legend::Legend;
 use super::nothing_left::no_points;
 use super::scene::Scene;
 use super::settings::{CloudSettings, ShadingModel};
+use super::units::{Systems, Units};
 use crate::prepare::dealt_file::{self, DealtFile};
 use crate::prepare::{Arranged, Supplied, order};
 use crate::supply::{Block, Branch, Failure, Keep, Supply};
@@ -79,6 +80,11 @@ pub fn are_complete(scene: &Scene, stores: &[OpenStore]) -> Result<bool, Error> 
     let complete = stores.iter().enumerate().map(|(index, store)| cloud::has_all(scene, index, store.summary()));
     let complete = !complete.collect::<Result<Vec<_>, _>>()?.contains(&false);
     Ok(complete && !is_unlit(scene, stores))
+}
+
+/// Returns the coordinate reference systems of stores.
+pub fn systems(stores: &[OpenStore]) -> Systems {
+    stores.iter().map(|store| store.summary().like.crs.clone()).collect()
 }
 
 /// Notes about the filters that Gaussians were trained with.
@@ -166,7 +172,8 @@ impl Stored {
         }
         let count = stores.iter().map(|store| store.summary().points).sum();
         let (mut clouds, mut anchors) = (Vec::with_capacity(stores.len()), Vec::new());
-        let (mut sample, mut first, mut legend) = (Points::default(), 0, Legend::default());
+        let mut legend = Legend::new(Units::of(&scene, systems(stores)));
+        let (mut sample, mut first) = (Points::default(), 0);
         for (index, store) in stores.iter().enumerate() {
             let at = cloud::CloudPlace { scene: &scene, clips: &clips, index, first };
             let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;

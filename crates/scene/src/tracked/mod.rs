@@ -29,6 +29,7 @@ use super::scene::Scene;
 use super::seen::{leave_out, seen};
 use super::settings::{ClassSettings, Clip, CloudSettings, ColorSettings, Outliers, Selection};
 use super::surface_opacity::Opacity;
+use super::units::Units;
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
 use crate::prepare::outliers::Rule;
@@ -266,7 +267,8 @@ fn views<'a>(
 /// # Errors
 /// Returns the errors of [`Tracked::new`].
 pub fn legend(scene: &Scene, clouds: &[impl Borrow<Cloud>], derived: &[DerivedColumns]) -> Result<Legend, Error> {
-    let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
+    let systems = clouds.iter().map(|cloud| cloud.borrow().crs.clone()).collect();
+    let (mut legend, clips) = (Legend::new(Units::of(scene, systems)), Clips::load(&scene.clips)?);
     for (index, (cloud, derived)) in clouds.iter().map(Borrow::borrow).zip(derived).take(scene.clouds.len()).enumerate()
     {
         let dropped = scene.clouds[index].strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));

@@ -1,7 +1,7 @@
 //! The columns that several clouds have as one.
 
 use super::super::Store;
-use super::super::tiles::like;
+use super::super::tiles::{differing_crs, like};
 use pellucid_core::cloud::Cloud;
 
 /// Returns a cloud without points that has the columns of all stores, and notes on what can't be kept, one sentence
@@ -14,7 +14,7 @@ pub(super) fn union(inputs: &[Box<dyn Store>]) -> (Cloud, Vec<String>) {
     }
     let summaries: Vec<_> = inputs.iter().map(|input| input.summary()).collect();
     let likes = || summaries.iter().map(|summary| &summary.like);
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = differing_crs(&summaries).into_iter().collect();
     let warnings = likes().flat_map(|like| &like.warnings).cloned().collect();
     let mut like = Cloud { warnings, ..like(&summaries) };
     let has_own = |like: &Cloud| like.own_radii().is_some();

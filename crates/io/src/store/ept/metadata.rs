@@ -1,15 +1,18 @@
 //! The description of an EPT folder, `ept.json`.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::DVec3;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::rows::{EptRows, MOST_FOR_ONE};
+use crate::crs;
 use crate::las::{MAX_POINTS_PER_BYTE, Traits};
 use crate::number::Class;
 use crate::{Error, InputFile, LasColumns};
+use pellucid_core::cloud::crs::Crs;
 use pellucid_core::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
 /// Parts of the file that are read.
@@ -23,6 +26,41 @@ struct Json {
     points: u64,
     schema: Vec<Dimension>,
     span: u32,
+    /// [`Srs`]; read by itself, since it decides nothing about the points.
+    #[serde(default)]
+    srs: serde_json::Value,
+}
+
+/// The coordinate reference system: as text, or by codes of an authority.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Srs {
+    authority: serde_json::Value,
+    horizontal: serde_json::Value,
+    vertical: serde_json::Value,
+    wkt: serde_json::Value,
+}
+
+impl Srs {
+    fn crs(&self) -> Option<Crs> {
+        let is_epsg = self.authority.as_str().is_some_and(|name| name.eq_ignore_ascii_case("EPSG"));
+        let code = |value: &serde_json::Value| match value {
+            serde_json::Value::String(text) => text.parse().ok(),
+            value => value.as_u64().and_then(|code| u32::try_from(code).ok()),
+        };
+        let of_codes = || {
+            let horizontal = code(&self.horizontal).filter(|_| is_epsg)?;
+            Some(crs::of_codes(horizontal, code(&self.vertical)))
+        };
+        let Some(found) = self.wkt.as_str().and_then(crs::parse) else { return of_codes() };
+        // The text may be that of the horizontal part alone.
+        let known: Crs = of_codes().unwrap_or_default();
+        Some(Crs {
+            epsg: found.epsg.or(known.epsg),
+            vertical_unit: found.vertical_unit.clone().or(known.vertical_unit),
+            ..found
+        })
+    }
 }
 
 /// A number of each point.
@@ -50,6 +88,8 @@ pub(super) struct Metadata {
     /// The distance of the root's points, in the points' units.
     pub spacing: f64,
     pub tiles: Tiles,
+    /// The coordinate reference system.
+    pub crs: Option<Arc<Crs>>,
     schema: Vec<Dimension>,
     /// A step of the coordinates' grid along each axis.
     step: DVec3,
@@ -125,7 +165,8 @@ impl Metadata {
         };
         let scale = |name: &str| json.schema.iter().find(|d| d.name == name).and_then(|d| d.scale).unwrap_or(0.0);
         let step = DVec3::from(["X", "Y", "Z"].map(scale)).abs();
-        let metadata = Self { points: json.points, cube, conforming, spacing, tiles, schema: json.schema, step };
+        let crs = serde_json::from_value(json.srs).ok().and_then(|srs: Srs| srs.crs()).map(Arc::new);
+        let metadata = Self { points: json.points, cube, conforming, spacing, tiles, crs, schema: json.schema, step };
         let is_finite = |bounds: Bounds| (bounds.max - bounds.min).is_finite();
         if !(is_finite(metadata.widened(cube)) && is_finite(metadata.widened(conforming))) {
             return Err(malformed("schema", format!("coordinates can't have steps of {step}")));

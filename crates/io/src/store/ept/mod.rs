@@ -120,6 +120,7 @@ impl Ept {
 
     fn finish(&self, columns: Columns, names: &[String]) -> Cloud {
         let cloud = columns.finish(names.iter().map(|name| &**name), self.asked, &self.traits);
+        let cloud = Cloud { crs: self.metadata.crs.clone(), ..cloud };
         match &self.metadata.tiles {
             Tiles::Laszip => cloud,
             Tiles::Rows(rows) | Tiles::Zstandard(rows) => rows.without_missing(cloud),

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::attributes::{AttributeLayout, Role};
 use crate::prepared::check_claim;
+use pellucid_core::cloud::crs::Crs;
 use pellucid_core::cloud::field::Field;
 use pellucid_core::cloud::shadow_texture::{Casting, ShadowTexture};
 use pellucid_core::cloud::{Cloud, Prepared, UpAxis};
@@ -28,6 +29,9 @@ pub(crate) struct About {
     /// The filter that Gaussian splats were trained for, as PLY files name it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter: Option<String>,
+    /// The coordinate reference system of the source.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crs: Option<Crs>,
 }
 
 /// Record of how a cloud was prepared.
@@ -79,6 +83,7 @@ impl About {
             prepared: like.prepared.as_ref().map(PreparedRecord::of),
             non_finite: like.non_finite as u64,
             filter: like.filter.map(|filter| filter.name().to_owned()),
+            crs: like.crs.as_deref().cloned(),
         }
     }
 }

@@ -25,6 +25,7 @@ pub(crate) mod nodes;
 pub(crate) mod survey;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -37,6 +38,7 @@ use decode::{Decoder, full_scale, not_withheld, splats_of};
 use hierarchy::Listed;
 use metadata::{Checked, METADATA};
 use nodes::{NODES, NodeExtent};
+use pellucid_core::cloud::crs::Crs;
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::reach;
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
@@ -125,6 +127,7 @@ impl Octree {
             places = kept.iter().map(|at| places[*at as usize]).collect();
         }
         (cloud.up, cloud.filter) = (self.summary.up, self.summary.like.filter);
+        cloud.crs.clone_from(&self.summary.like.crs);
         let Bounds { min, max } = about.bounds;
         let is_outside = |p: &&DVec3| !(p.cmpge(min) & p.cmple(max)).all();
         if let Some(outside) = cloud.positions.iter().find(is_outside) {
@@ -297,6 +300,13 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     // A file may claim any number, and those of several files are added.
     like.non_finite = about.as_ref().map_or(0, |about| about.non_finite.min(MOST_DROPPED) as usize);
     like.filter = about.as_ref().and_then(|about| Filter::named(about.filter.as_deref()?));
+    // What PotreeConverter writes there is mostly a definition of PROJ, which says nothing here.
+    let of_projection = || crate::crs::parse(&metadata.projection);
+    let crs = match about {
+        Some(about) => about.crs.clone().map(Crs::checked),
+        None => of_projection(),
+    };
+    like.crs = crs.map(Arc::new);
     like.warnings.clone_from(&checked.warnings);
     if metadata.points != points {
         like.warnings.push(format!("{METADATA} announces {} points, but the nodes have {points}", metadata.points));

@@ -98,7 +98,8 @@ pub(super) fn read(octree: &Octree) -> Result<Option<StoreSurvey>, Error> {
     }
     let decoded = octree.decoder.cloud(records);
     let decoded = splats_of(&decoded).map(|splats| decoded.subset(&splats)).unwrap_or(decoded);
-    let sample = Cloud { up: octree.summary.up, filter: octree.summary.like.filter, ..decoded };
+    let crs = octree.summary.like.crs.clone();
+    let sample = Cloud { up: octree.summary.up, filter: octree.summary.like.filter, crs, ..decoded };
     if sample.bounds().is_some_and(|bounds| !all.holds(&bounds)) {
         return Err(refused("it has points outside the octree"));
     }
