@@ -48,12 +48,12 @@ pub struct InfoArgs {
     outliers: bool,
     /// Print JSON.
     ///
-    /// {points, non_finite, withheld, bounds: {min, max}, crs, attributes, classes, ranges, spacing, layers, histograms,
-    /// command}. `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a
-    /// scalar to [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
+    /// {points, non_finite, withheld, bounds: {min, max}, crs, attributes, classes, ranges, spacing, layers,
+    /// histograms, command}. `points` counts all points in the file, `classes` maps a code to its number of points,
+    /// `ranges` a scalar to [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
     ///
-    /// `crs` is null or the coordinate reference system that the file states: {name, epsg, unit, vertical_unit, wkt}, each
-    /// null where it is unknown. A unit is {name, meters}; `meters` is null for an angle.
+    /// `crs` is null or the coordinate reference system that the file states: {name, epsg, unit, vertical_unit, wkt},
+    /// each null where it is unknown. A unit is {name, meters}; `meters` is null for an angle.
     ///
     /// Gaussian splats also have `gaussians: {count, degree, filter, up, color, extents: {min, median, max}}`; `color`
     /// is "encoded", "linear" or "both". --outliers adds their number as `outliers`. A prepared cloud has `prepared:

@@ -12,8 +12,7 @@ use super::canvas::Letters;
 /// The height of letters: of the picture's shorter side, and at least so many pixels.
 const EM: (f32, f32) = (0.02, 11.0);
 
-/// Letters become smaller in these steps where a legend doesn't fit, down to so many pixels, below which they can't be
-/// read.
+/// Letters become smaller in these steps where a legend doesn't fit, down to so many pixels; below, they can't be read.
 const SMALLER: (f32, f32) = (0.85, 7.0);
 
 /// The share of the picture's width that a legend over the picture may take: with letters of the usual height, and with
@@ -26,7 +25,7 @@ const COLUMN: f32 = 15.0;
 /// Color bars in lines of text, from the best to the least.
 const BAR_LINES: [u32; 4] = [10, 8, 6, 5];
 
-/// The same where nothing else helps.
+/// The same number where nothing else helps.
 const SHORT_BAR: u32 = 3;
 
 /// The least single colors of an entry that are shown before the rest is only counted.

@@ -56,14 +56,14 @@ impl Looks {
 /// Place of a legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LegendPlace {
-    /// Over the lower left corner of the picture.
+    /// Lower left corner of the picture.
     Over,
-    /// In a column to the right, by which the picture becomes wider.
+    /// Column to the right, by which the file becomes wider than the picture.
     Beside,
 }
 
-/// Says, before anything is rendered by these cameras, where there will be no legend: since there is nothing to explain,
-/// or no room for it.
+/// Says, before anything is rendered by these cameras, where there will be no legend: since there is nothing to
+/// explain, or no room for it.
 pub fn check(prepared: &Prepared, cameras: &[Camera], place: Option<LegendPlace>, messages: &dyn Messages) {
     let (Some(legend), Some(place)) = (&prepared.assembled.legend, place) else { return };
     let size = prepared.scene().image.size;

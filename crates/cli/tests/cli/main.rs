@@ -43,6 +43,7 @@ mod shadows;
 mod splats;
 mod stress;
 mod tradeoff;
+mod units;
 
 use std::ffi::OsString;
 use std::fs;

@@ -100,8 +100,8 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// Returns the unit of a size in meters; `None` for a size that is none. The name counts only where the size is not
-    /// that of a known unit.
+    /// Returns the unit of a size in meters; `None` for a size that is none. The name counts only where the size is
+    /// not that of a known unit.
     pub fn length(name: &str, meters: f64) -> Option<Self> {
         if !(meters.is_finite() && meters > 0.0) {
             return None;

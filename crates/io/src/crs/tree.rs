@@ -11,7 +11,7 @@ const MAX_DEPTH: usize = 32;
 /// A keyword with what its brackets hold.
 #[derive(Debug, Default)]
 pub(super) struct Node {
-    /// In capitals.
+    /// Keyword in capitals.
     pub keyword: String,
     pub values: Vec<Value>,
 }
@@ -20,7 +20,7 @@ pub(super) struct Node {
 #[derive(Debug)]
 pub(super) enum Value {
     Node(Node),
-    /// What stands in quotes.
+    /// Text in quotes.
     Text(String),
     Number(f64),
     Word(String),

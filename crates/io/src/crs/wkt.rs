@@ -1,5 +1,5 @@
-//! Well-known text of coordinate reference systems: version 1 (OGC 01-009, and as GDAL and Esri write it) and version 2
-//! (ISO 19162).
+//! Well-known text of coordinate reference systems: version 1 (OGC 01-009, and as GDAL and Esri write it) and
+//! version 2 (ISO 19162).
 
 use pellucid_core::cloud::crs::{Crs, Unit};
 

@@ -19,7 +19,7 @@ const MOST_RECORDS: usize = 64;
 /// A record of the header or behind the points.
 #[derive(Debug)]
 pub(super) struct Record {
-    /// Without the zeros behind it.
+    /// User of the record, without the zeros behind the name.
     pub user: Vec<u8>,
     pub id: u16,
     pub data: Vec<u8>,

@@ -18,8 +18,8 @@ pub(super) fn is_record(user: &[u8], id: u16) -> bool {
     user == USER && [RECORD_KEYS, RECORD_NUMBERS, RECORD_TEXT, WKT].contains(&id)
 }
 
-/// Returns the system of a file with these records: user, identifier and bytes. If keys and text both describe one, the
-/// header says which counts.
+/// Returns the system of a file with these records: user, identifier and bytes. If keys and text both describe one,
+/// the header says which counts.
 pub(super) fn crs<'a>(records: impl Iterator<Item = (&'a [u8], u16, &'a [u8])>, encoding: u16) -> Option<Crs> {
     let (mut geo, mut text) = (GeoRecords::default(), None);
     for (_, id, data) in records.filter(|(user, id, _)| is_record(user, *id)) {

@@ -1,6 +1,7 @@
 //! Files that are read in place, node by node: together their nodes are the cloud that loading gives.
 
 mod copc;
+mod crs;
 mod ept;
 mod las;
 mod make_copc;

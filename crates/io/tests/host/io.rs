@@ -2,7 +2,7 @@
 
 mod bad;
 mod docs;
-mod e57;
+pub mod e57;
 pub mod las;
 mod meant;
 mod octree;

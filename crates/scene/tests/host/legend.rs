@@ -1,12 +1,16 @@
 //! The facts of a legend: what is listed, with which colors, and what is not.
 
+use std::sync::Arc;
+
 use glam::DVec3;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::cloud::crs::{Crs, Unit};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::color::classes;
 use pellucid_core::progress::Progress;
 use pellucid_scene::legend::{Legend, Swatch};
 use pellucid_scene::tracked::{self, DerivedColumns, Tracked};
-use pellucid_scene::{Scene, arrange, arrange_with_legend};
+use pellucid_scene::{Scene, arrange, arrange_with_legend, differing_units};
 
 /// 20 points along X from 0 to 19, of classes 2, 5, 6 and 9 in turn, as high as their place.
 fn cloud() -> Cloud {
@@ -110,4 +114,79 @@ fn clouds_share_equal_entries_and_have_titles_for_different_ones() {
     for nothing in ["color_by = 'uniform'", "color = [0.1, 0.2, 0.3]", "opacity = 0.0\ncolor_by = 'height'"] {
         assert!(legend(&[nothing], "").is_empty(), "{nothing}");
     }
+}
+
+fn in_units(unit: Option<Unit>, vertical_unit: Option<Unit>) -> Option<Arc<Crs>> {
+    Some(Arc::new(Crs { unit, vertical_unit, ..Crs::default() }))
+}
+
+fn us_foot() -> Option<Unit> {
+    Unit::length("", 1200.0 / 3937.0)
+}
+
+/// The scene of clouds with these systems and keys; the headings of its legend and the label of the scale bar of a
+/// camera that looks along −Z or Y.
+fn with_units(systems: &[Option<Arc<Crs>>], keys: &[&str]) -> (Scene, Vec<String>, [String; 2]) {
+    let text: String = keys.iter().map(|keys| format!("[[cloud]]\npath = 'a.las'\nradius = 1.0\n{keys}\n")).collect();
+    let scene = Scene::from_toml(&text, "s.toml".as_ref()).unwrap();
+    let clouds: Vec<Cloud> = systems.iter().map(|crs| Cloud { crs: crs.clone(), ..cloud() }).collect();
+    let (_, legend) = arrange_with_legend(&scene, clouds.clone(), 0, &Progress::hidden()).unwrap();
+    let mut derived = vec![DerivedColumns::default(); clouds.len()];
+    Tracked::new(&scene, &clouds, &mut derived, 0, &Progress::hidden()).unwrap();
+    assert_eq!(tracked::legend(&scene, &clouds, &derived).unwrap(), legend);
+    let bar = |eye: DVec3, up: DVec3| {
+        let flat = Projection::Orthographic { height: 30.0 };
+        let camera = Camera::look_at(eye, DVec3::ZERO, up, flat, 0.1, 10.0).unwrap();
+        legend.scale_bar(&camera, [800, 600]).unwrap().label
+    };
+    let headings = legend.entries.iter().filter_map(|entry| entry.heading.clone()).collect();
+    (scene, headings, [bar(DVec3::Z, DVec3::Y), bar(DVec3::NEG_Y, DVec3::Z)])
+}
+
+#[test]
+fn lengths_have_the_units_of_the_file() {
+    let meter = || Some(Unit::metre());
+    for (system, keys, heading, bars) in [
+        (None, "color_by = 'height'", "height (units)", ["10 units"; 2]),
+        (in_units(meter(), None), "color_by = 'height'", "height (m)", ["10 m"; 2]),
+        (in_units(us_foot(), None), "color_by = 'height'", "height (US survey ft)", ["10 US survey ft"; 2]),
+        (in_units(us_foot(), meter()), "color_by = 'height'", "height (m)", ["10 US survey ft"; 2]),
+        (in_units(us_foot(), meter()), "color_by = 'x'", "x (US survey ft)", ["10 US survey ft"; 2]),
+        (in_units(us_foot(), meter()), "color_by = 'z'", "z (m)", ["10 US survey ft"; 2]),
+        (in_units(Some(Unit::degree()), None), "color_by = 'height'", "height (units)", ["10°"; 2]),
+        (in_units(Some(Unit::degree()), meter()), "color_by = 'y'", "y (°)", ["10°"; 2]),
+        // A column has the file's unit, whatever the scene's.
+        (in_units(us_foot(), None), "color_by = 'z'\nscale = 2.0", "z (US survey ft)", ["10 units"; 2]),
+        (in_units(us_foot(), None), "color_by = 'height'\nscale = 2.0", "height (units)", ["10 units"; 2]),
+        (in_units(us_foot(), None), "color_by = 'height'\nscale = 0.3048006096", "height (m)", ["10 m"; 2]),
+        (in_units(meter(), None), "color_by = 'dose'", "dose", ["10 m"; 2]),
+    ] {
+        let (scene, headings, found) = with_units(&[system.clone()], &[keys]);
+        assert_eq!((headings, found), (vec![heading.to_owned()], bars.map(str::to_owned)), "{system:?} {keys}");
+        assert_eq!(differing_units(&scene, &[system]), None);
+    }
+}
+
+#[test]
+fn clouds_in_different_units_have_none_and_a_warning_names_both() {
+    let (feet, meters) = (in_units(us_foot(), None), in_units(Some(Unit::metre()), None));
+    let height = "color_by = 'height'";
+    let systems = [feet.clone(), None, meters.clone()];
+    let (scene, headings, bars) = with_units(&systems, &[height; 3]);
+    assert_eq!((headings, bars), (vec!["height (units)".to_owned()], ["10 units", "10 units"].map(str::to_owned)));
+    let warning = differing_units(&scene, &systems).unwrap();
+    assert!(
+        warning.starts_with("a.las is in US survey foot (0.3048006096012192 m), but a.las is in metre (1 m): "),
+        "{warning}"
+    );
+    // Heights alone differ.
+    let systems = [meters.clone(), in_units(Some(Unit::metre()), us_foot())];
+    let (scene, _, bars) = with_units(&systems, &[height; 2]);
+    assert_eq!(bars[0], "10 units");
+    assert!(differing_units(&scene, &systems).unwrap().contains("metre (1 m) with heights in US survey foot"));
+    // Converted, they are one.
+    let systems = [meters, feet];
+    let (scene, headings, bars) = with_units(&systems, &[height, "color_by = 'height'\nscale = 0.3048006096"]);
+    assert_eq!((headings[0].as_str(), bars[0].as_str()), ("height (m)", "10 m"));
+    assert_eq!(differing_units(&scene, &systems), None);
 }

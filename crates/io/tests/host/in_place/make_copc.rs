@@ -42,7 +42,12 @@ pub fn make(format: u8) -> Made {
 
 /// A file of some points in five nodes.
 pub fn make_of(format: u8, points: u16) -> Made {
-    let (vlr, records, mut bytes) = head(format, points);
+    make_with(format, points, Vec::new())
+}
+
+/// A file of some points in five nodes, with more records in its header.
+pub fn make_with(format: u8, points: u16, more: Vec<las::Vlr>) -> Made {
+    let (vlr, records, mut bytes) = head(format, points, more);
     let start = bytes.len();
     compress(&vlr, &records, usize::from(points), &mut bytes);
     let mut table = Cursor::new(&bytes);
@@ -74,7 +79,7 @@ pub fn make_of(format: u8, points: u16) -> Made {
 }
 
 /// Compression, uncompressed records, and everything before the points.
-fn head(format: u8, points: u16) -> (LazVlr, Vec<u8>, Vec<u8>) {
+fn head(format: u8, points: u16, more: Vec<las::Vlr>) -> (LazVlr, Vec<u8>, Vec<u8>) {
     let items = LazItemRecordBuilder::default_for_point_format_id(format, 0).unwrap();
     let vlr = LazVlrBuilder::new(items).with_variable_chunk_size().build();
     let mut laszip = Vec::new();
@@ -88,6 +93,7 @@ fn head(format: u8, points: u16) -> (LazVlr, Vec<u8>, Vec<u8>) {
     };
     builder.vlrs.push(record("copc", 1, vec![0; 160]));
     builder.vlrs.push(record(LazVlr::USER_ID, LazVlr::RECORD_ID, laszip));
+    builder.vlrs.extend(more);
     let layout = builder.point_format;
     let mut bytes = write(builder, (0..points).map(|index| point(&layout, index)));
     let records = bytes.split_off(u32::from_le_bytes([bytes[96], bytes[97], bytes[98], bytes[99]]) as usize);
