@@ -322,7 +322,7 @@ fn info_prints_text_or_one_json_document() {
     let (_, json, _) = run(&folder, &["info", "--json", "a.ply"]);
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
     let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
-    let described = ["points", "non_finite", "withheld", "bounds", "attributes", "classes"];
+    let described = ["points", "non_finite", "withheld", "bounds", "crs", "attributes", "classes"];
     assert_eq!(keys, [&described[..], &["ranges", "spacing", "layers", "histograms", "command"]].concat());
     assert_eq!((&value["points"], &value["non_finite"]), (&2.into(), &0.into()));
     assert_eq!(value["bounds"]["max"], serde_json::json!([1.0, 2.0, 3.0]));

@@ -1,5 +1,7 @@
 //! GeoTIFF keys in the records of LAS files (OGC GeoTIFF 1.1, LAS 1.4, 2.4).
 
+use std::ops::RangeInclusive;
+
 use pellucid_core::cloud::crs::{Crs, Unit};
 
 use super::{epsg, or_of_code};
@@ -12,8 +14,11 @@ pub(crate) const RECORD_NUMBERS: u16 = 34736;
 /// Identifier of the record of text.
 pub(crate) const RECORD_TEXT: u16 = 34737;
 
-/// Codes that say "not defined" and "defined by other keys".
-const NO_CODE: [u16; 2] = [0, 32767];
+/// Codes that are those of EPSG; others say that other keys define the value, or are private.
+const CODES: RangeInclusive<u16> = 1024..=32766;
+
+/// Value of a unit that another key defines.
+const USER_DEFINED: u16 = 32767;
 
 const MODEL_TYPE: u16 = 1024;
 const CITATION: u16 = 1026;
@@ -84,7 +89,7 @@ impl GeoRecords {
 
     /// The EPSG code that a key has.
     fn code(&self, key: u16) -> Option<u32> {
-        self.short(key).filter(|code| !NO_CODE.contains(code)).map(u32::from)
+        self.short(key).filter(|code| CODES.contains(code)).map(u32::from)
     }
 
     fn number(&self, key: u16) -> Option<f64> {
@@ -104,14 +109,14 @@ impl GeoRecords {
     fn length(&self, key: u16) -> Option<Unit> {
         let code = self.short(key)?;
         match code {
-            32767 => Unit::length("user-defined unit", self.number(LINEAR_UNIT_SIZE)?),
+            USER_DEFINED => Unit::length("user-defined unit", self.number(LINEAR_UNIT_SIZE)?),
             code => epsg::of_unit_code(code.into()),
         }
     }
 
     fn angle(&self) -> Option<Unit> {
         match self.short(ANGULAR_UNITS)? {
-            32767 => Unit::angle("user-defined angle", self.number(ANGULAR_UNIT_SIZE)?),
+            USER_DEFINED => Unit::angle("user-defined angle", self.number(ANGULAR_UNIT_SIZE)?),
             code => epsg::of_angle_code(code.into()),
         }
     }

@@ -167,6 +167,8 @@ fn hostile_keys_are_no_system() {
         GeoRecords::default(),
         bare(keys(&whole)),
         bare(keys(&[])),
+        // Private codes.
+        bare(keys(&[[3072, 0, 1, 65_535], [1024, 0, 1, 1]])),
         bare(more),
         bare(keys(&[[3072, 0, 1, 32633]])[..15].to_vec()),
         bare(vec![0xff; 3]),
