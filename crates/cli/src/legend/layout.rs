@@ -53,7 +53,7 @@ pub enum LegendRow<'a> {
 /// A legend, if there is one in a picture.
 pub enum Fit<'a> {
     /// The legend has its place.
-    Fits(LegendLayout<'a>),
+    Fits(Box<LegendLayout<'a>>),
     /// There is nothing to explain.
     Nothing,
     /// The picture has no room for it.
@@ -111,7 +111,7 @@ impl<'a> LegendLayout<'a> {
             let room = width(em) - 2.0 * Self::padding(em);
             Self::with_letters(em, [room, size[1] as f32], legend, scale_bar.as_ref())
         };
-        iter::successors(Some(usual), smaller).find_map(place).map_or(Fit::Misfit, Fit::Fits)
+        iter::successors(Some(usual), smaller).find_map(place).map_or(Fit::Misfit, |layout| Fit::Fits(Box::new(layout)))
     }
 
     /// The legend with letters of a height, its values and single colors shortened until it fits into the width of its

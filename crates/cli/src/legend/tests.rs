@@ -25,7 +25,7 @@ const DEEP: Projection = Projection::Perspective { fov_y: 1.0 };
 /// The layout over a picture, which fits.
 fn fit<'a>(legend: &'a Legend, projection: Projection, size: [u32; 2]) -> LegendLayout<'a> {
     match LegendLayout::fit(legend, &camera(projection), size, LegendPlace::Over) {
-        Fit::Fits(layout) => layout,
+        Fit::Fits(layout) => *layout,
         Fit::Nothing | Fit::Misfit => panic!("{size:?}"),
     }
 }
