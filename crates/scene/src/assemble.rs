@@ -76,8 +76,9 @@ pub fn notes(scene: &Scene, clouds: &[impl Borrow<Cloud>], needs_radii: bool) ->
         request.forgo_shapes(gaussians::are_drawn(scene, settings, cloud));
         let notes = request.notes(cloud);
         let filter = gaussians::filter_note(scene, settings, cloud);
-        let idle =
-            [classes::note(settings, cloud), coloring::note(settings, cloud), upright_note(scene, cloud), filter];
+        let radius = gaussians::radius_note(scene, settings, cloud);
+        let of_classes = classes::note(settings, cloud);
+        let idle = [of_classes, coloring::note(settings, cloud), upright_note(scene, cloud), filter, radius];
         let idle = idle.into_iter().flatten();
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
@@ -139,7 +140,7 @@ pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fiel
 /// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to
 /// be. Colors stay linear, whatever the scene's color space; clouds without `color` are colored by `color_by`. Points
 /// that a class hides or a clip cuts off are set apart ([`Points::unseen`]) once everything is computed. A radius is
-/// the scene's, else the file's times `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times
+/// the class's, else the scene's, else the file's times `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times
 /// `scale`, else 0; `radius_factor` multiplies all of them. F is included if the method needs it. Neighbors and fields
 /// are computed in the cloud's own coordinates, before `scale` and `translate` round them, because a prepared file
 /// stores those values.
@@ -295,10 +296,13 @@ pub(super) fn transformed(
         let paint = gaussians::Paint { colors: &colors, own };
         gaussians::placed(settings, all, paint, |i| rules.color(i).is_some())
     });
-    let radii: Vec<f32> = match found.radii.as_deref().or(cloud.own_radii()) {
+    let mut radii: Vec<f32> = match found.radii.as_deref().or(cloud.own_radii()) {
         Some(radii) => parallel::map_each(radii, |own| radius(settings, Some(*own))),
         None => vec![radius(settings, None); count],
     };
+    if rules.give_radii() {
+        parallel::for_each_mut(&mut radii, |i, radius| *radius = class_radius(settings, &rules, i).unwrap_or(*radius));
+    }
     let radii = gaussians.as_ref().map_or(radii, gaussians::radii);
     let base = Opacity { settings, estimated: found.uncapped.as_deref(), neighbors: request.neighbors_of(&cloud) };
     let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
@@ -338,10 +342,20 @@ pub(super) fn opacity(base: Opacity<'_>, rules: &Rules<'_>, cloud: &Cloud, i: us
 pub(super) fn radius(settings: &CloudSettings, own: Option<f32>) -> f32 {
     let factor = f64::from(settings.radius_factor);
     match (settings.radius, own) {
-        (Some(radius), _) => scaled(radius, factor),
+        (Some(radius), _) => given_radius(settings, radius),
         (None, Some(own)) => scaled(own, settings.scale * factor),
         (None, None) => 0.0,
     }
+}
+
+/// Returns the radius that a point has because of its class; `None` if no entry gives one.
+pub(super) fn class_radius(settings: &CloudSettings, rules: &Rules<'_>, i: usize) -> Option<f32> {
+    rules.radius(i).map(|radius| given_radius(settings, radius))
+}
+
+/// A radius that the scene gives, in world units.
+pub(super) fn given_radius(settings: &CloudSettings, radius: f32) -> f32 {
+    scaled(radius, f64::from(settings.radius_factor))
 }
 
 /// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.

@@ -1,4 +1,4 @@
-//! `[[cloud.class]]` for the points of a cloud: their opacity, color and visibility.
+//! `[[cloud.class]]` for the points of a cloud: their opacity, color, radius and visibility.
 
 use std::sync::Arc;
 
@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::error::Error;
 use super::settings::{ClassSettings, CloudSettings, Selection};
+use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::{CLASSIFICATION_NAMES, Cloud, field};
 use pellucid_core::color;
 use pellucid_core::parallel;
@@ -87,6 +88,16 @@ impl<'a> Rules<'a> {
         self.last(i, |entry| entry.color)
     }
 
+    /// Returns the radius in place of the cloud's, in world units before `radius_factor`.
+    pub fn radius(&self, i: usize) -> Option<f32> {
+        self.last(i, |entry| entry.radius)
+    }
+
+    /// Returns `true` if any rule gives a radius.
+    pub fn give_radii(&self) -> bool {
+        self.rules.iter().any(|rule| rule.settings.radius.is_some())
+    }
+
     /// False for points that are not drawn; `None` if all are.
     pub fn visible_points(&self, count: usize) -> Option<Vec<bool>> {
         let hides = self.rules.iter().any(|rule| rule.settings.visible == Some(false));
@@ -134,6 +145,27 @@ impl<'a> Rules<'a> {
             parallel::for_each_mut(colors, |i, color| *color = self.color(i).unwrap_or(*color));
         }
     }
+}
+
+/// Returns the radii that entries may give to points of which only these facts are known, before `radius_factor`, and
+/// `false` if each point has one of them.
+pub(super) fn possible_radii(entries: &[ClassSettings], facts: &Facts) -> (Vec<f32>, bool) {
+    let mut found = Vec::new();
+    let (mut others, mut has_classes) = (false, false);
+    for code in (0..=u8::MAX).filter(|code| facts.has_class(*code)) {
+        has_classes = true;
+        let about = entries.iter().rev().filter(|entry| entry.points.holds_class(code));
+        match about.filter_map(|entry| entry.radius).next() {
+            Some(radius) => found.push(radius),
+            None => others = true,
+        }
+    }
+    let is_of_scalar = |entry: &&ClassSettings| match &entry.points {
+        Selection::Class(_) => false,
+        Selection::Scalar { name, .. } => !is_classification(name),
+    };
+    found.extend(entries.iter().filter(is_of_scalar).filter_map(|entry| entry.radius));
+    (found, others || !has_classes)
 }
 
 fn is_classification(name: &str) -> bool {

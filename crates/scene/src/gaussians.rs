@@ -38,6 +38,15 @@ pub(super) struct Paint<'a> {
     pub own: bool,
 }
 
+/// Returns the note that radii which the scene gives say nothing of Gaussians.
+pub(super) fn radius_note(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> Option<String> {
+    let of_class = settings.class.iter().any(|entry| entry.radius.is_some());
+    let key = [(settings.radius.is_some(), "radius"), (of_class, "class.radius")].into_iter().find(|(is, _)| *is)?.1;
+    are_drawn(scene, settings, cloud).then(|| {
+        format!("`{key}` has no effect on Gaussians, whose file gives their extents; `radius_factor` multiplies these")
+    })
+}
+
 /// Returns the Gaussians of a cloud in the scene. `painted` tells of a point whether a class gives it another color
 /// than the file.
 pub(super) fn placed(
@@ -166,6 +175,23 @@ mod tests {
             ("primitive = 'points'", Some(Filter::Mip)),
         ] {
             assert_eq!(note(text, filter), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn radii_that_splats_have_no_use_for_are_told() {
+        let cloud = Cloud { gaussians: Some(two()), ..Cloud::default() };
+        let note = |text: &str| {
+            let scene = scene_of(text);
+            radius_note(&scene, &scene.clouds[0], &cloud)
+        };
+        assert!(note("radius = 0.5").unwrap().starts_with("`radius` has no effect on Gaussians"));
+        let of_class = "[[cloud.class]]\nid = 2\nradius = 0.5";
+        assert!(note(of_class).unwrap().starts_with("`class.radius` has no effect on Gaussians"));
+        for text in
+            ["", "radius_factor = 0.5", "primitive = 'points'\nradius = 0.5", "[[cloud.class]]\nid = 2\nopacity = 0"]
+        {
+            assert_eq!(note(text), None, "{text}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Lengths that hardly anybody means, as those in another unit than the scene's.
 
 use super::scene::Scene;
+use super::settings::CloudSettings;
 use pellucid_core::points::Points;
 
 /// Points of a scene that was hardly made by hand, at least. Scenes of a few points have large ones on purpose.
@@ -18,7 +19,7 @@ pub fn odd_sizes(scene: &Scene, points: &Points) -> Vec<String> {
     }
     // Whoever placed the eye saw what the radius does.
     let clouds = scene.clouds.iter().filter(|_| scene.camera.eye.is_none());
-    let radii = clouds.filter_map(|cloud| Some((cloud, cloud.radius?)));
+    let radii = clouds.filter_map(|cloud| Some((cloud, largest_given(cloud)?)));
     let radii = radii.filter(|(_, radius)| f64::from(*radius) > diagonal).map(|(cloud, radius)| {
         let path = cloud.path.display();
         format!("{path}: a radius of {radius} is larger than the scene, whose diagonal is {diagonal:.4}: is it in the same unit?")
@@ -27,6 +28,11 @@ pub fn odd_sizes(scene: &Scene, points: &Points) -> Vec<String> {
         format!("a picture {height} high shows next to nothing of the scene, whose diagonal is {diagonal:.4}: is `camera.height` in the same unit?")
     });
     radii.chain(height).collect()
+}
+
+/// The largest radius that a cloud's settings give.
+fn largest_given(cloud: &CloudSettings) -> Option<f32> {
+    cloud.class.iter().filter_map(|entry| entry.radius).chain(cloud.radius).reduce(f32::max)
 }
 
 #[cfg(test)]
@@ -48,6 +54,8 @@ mod tests {
     #[test]
     fn a_radius_larger_than_the_scene_is_told() {
         let [warning] = &warnings("radius = 500", 100)[..] else { panic!("one warning") };
+        let of_class = warnings("radius = 1\n[[cloud.class]]\nid = 2\nradius = 500", 100);
+        assert_eq!(of_class, [warning.clone()]);
         assert!(
             warning.starts_with("a.las: a radius of 500 is larger than the scene, whose diagonal is 5.0000"),
             "{warning}"

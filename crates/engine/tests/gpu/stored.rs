@@ -342,6 +342,27 @@ fn several_stores_with_clips_classes_and_color_maps_have_the_bytes_of_memory() {
     assert_same(&text, "two stores");
 }
 
+#[test]
+fn radii_of_classes_in_stores_are_those_of_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = store(folder.path(), "one", cloud(1, 8_000));
+    // Far larger than those of the file: discs reach into windows from nodes far outside of them.
+    let large = "[[cloud.class]]\nid = 6\nradius = 0.2\nopacity = 0.05\n[[cloud.class]]\nid = 'ground'\nradius = 0.001\n\
+                 [[cloud.class]]\nscalar = 'intensity'\nrange = [990, 1000]\nradius = 0.15\n";
+    // Smaller ones for all: the cloud's own radius, which no point has, moves no camera.
+    let small = [1, 2, 5, 6].map(|id| format!("[[cloud.class]]\nid = {id}\nradius = 0.0{id}\n")).concat();
+    let methods =
+        || Method::all().into_iter().filter(|method| ["circles", "abuffer", "soft-base"].contains(&method.name()));
+    assert_eq!(methods().count(), 3);
+    for (radius, classes) in [("", large), ("radius = 0.02", large), ("radius = 3\nradius_factor = 0.5", &small)] {
+        let text = format!(
+            "[image]\nsize = [96, 72]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n{radius}\n{classes}",
+            path.display()
+        );
+        assert_same_of(&text, radius, methods());
+    }
+}
+
 /// The methods that deal points to ensembles: less of them than there are, and each several times; with the lists of
 /// both ways, and with all points on the device and some at a time.
 fn assert_same_dealt(text: &str, about: &str, settings: &[(&str, f64)]) {

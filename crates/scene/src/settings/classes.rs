@@ -48,6 +48,8 @@ pub struct ClassSettings {
     pub opacity: Option<f32>,
     /// Color in place of the cloud's, linear RGB.
     pub color: Option<Vec3>,
+    /// Radius in place of the cloud's and the file's, in world units; `radius_factor` multiplies it.
+    pub radius: Option<f32>,
     /// False for points that are not drawn.
     pub visible: Option<bool>,
 }
@@ -79,18 +81,19 @@ fn code(table: &Table<'_>, node: &Node) -> Result<u8, Error> {
 }
 
 fn read(table: &Table<'_>) -> Result<ClassSettings, Error> {
-    table.refuse_unknown(&["id", "scalar", "range", "opacity", "color", "visible"])?;
+    table.refuse_unknown(&["id", "scalar", "range", "opacity", "color", "radius", "visible"])?;
     let points = match (table.get("id"), table.string("scalar")?, table.range("range")?) {
         (Some(node), None, None) => Selection::Class(code(table, node)?),
         (None, Some(name), Some(range)) => Selection::Scalar { name: name.to_owned(), range },
         _ => return Err(table.conflict("", "a [[cloud.class]] needs either `id`, or `scalar` and `range`")),
     };
     let opacity = table.number32("opacity", Range::UNIT)?;
+    let radius = table.number32("radius", Range::NOT_NEGATIVE)?;
     let (color, visible) = (table.color("color")?, table.boolean("visible")?);
-    if opacity.is_none() && color.is_none() && visible.is_none() {
-        return Err(table.conflict("", "a [[cloud.class]] needs `opacity`, `color` or `visible`"));
+    if opacity.is_none() && color.is_none() && radius.is_none() && visible.is_none() {
+        return Err(table.conflict("", "a [[cloud.class]] needs `opacity`, `color`, `radius` or `visible`"));
     }
-    Ok(ClassSettings { points, opacity, color, visible })
+    Ok(ClassSettings { points, opacity, color, radius, visible })
 }
 
 impl SettingsField for Vec<ClassSettings> {
@@ -111,6 +114,9 @@ impl SettingsField for Vec<ClassSettings> {
             "class.opacity": ValueKind::Number(Range::UNIT), without "the cloud's";
             /// Color of these points, in place of the cloud's.
             "class.color": ValueKind::Color, without "the cloud's";
+            /// Radius of these points in place of the cloud's, the file's or the estimated one, not multiplied by
+            /// `scale`; without effect on Gaussians.
+            "class.radius": ValueKind::Number(Range::NOT_NEGATIVE), unit "world units", without "the cloud's";
             /// False hides these points; they still count for radii and percentiles.
             "class.visible": ValueKind::Flag, without "`true`";
         }

@@ -28,7 +28,7 @@ settings! {
         color: Option<Vec3> = None, without "by `color_by`";
         /// Source of the colors if `color` is not given.
         coloring: ColorSettings = ColorSettings::default();
-        /// Opacity, color and visibility of single classes, or of a range of a scalar.
+        /// Opacity, color, radius and visibility of single classes, or of a range of a scalar.
         class: Vec<ClassSettings> = Vec::new();
         /// Opacity of each splat, or for spbr of the surface; multiplied by the file's alpha.
         opacity: f32 = 1.0, in Range::UNIT, slider Slider::Opacity, rival "surface_opacity";

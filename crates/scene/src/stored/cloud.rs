@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::super::assemble::{self, CloudScope, Known, radius, transformed};
+use super::super::assemble::{self, CloudScope, Known, given_radius, radius, transformed};
+use super::super::classes;
 use super::super::clip::Clips;
 use super::super::coloring::Coloring;
 use super::super::error::Error;
@@ -42,8 +43,10 @@ pub(super) struct StoredCloud {
     /// Bounding box of the cloud in the scene.
     bounds: Bounds,
     pub largest_radius: f32,
-    /// The radius that all points have, unless they have their own.
+    /// The radius that all points have, unless they or their classes have their own.
     fixed_radius: Option<f32>,
+    /// The largest radius that a class may give.
+    class_radius: f32,
     /// The largest component that a color of its points may have.
     pub brightest: f32,
     /// Count and bounds of its Gaussians, if its points are drawn as such.
@@ -81,10 +84,14 @@ impl StoredCloud {
         let has_own = known.request.radii && like.radii.is_some() || like.own_radii().is_some();
         let drawn = gaussians::are_drawn(scene, settings, like);
         let fixed_radius = (!drawn && (settings.radius.is_some() || !has_own)).then(|| radius(settings, None));
-        let largest_radius = fixed_radius.unwrap_or_else(|| match drawn {
+        let (given, others) = if drawn { (Vec::new(), true) } else { classes::possible_radii(&settings.class, &facts) };
+        let class_radius = given.into_iter().fold(0.0, f32::max);
+        let class_radius = given_radius(settings, class_radius);
+        let own_radius = fixed_radius.unwrap_or_else(|| match drawn {
             true => gaussians::scaled_reach(facts.largest_radius, settings),
             false => radius(settings, Some(facts.largest_radius)),
         });
+        let largest_radius = if others { own_radius.max(class_radius) } else { class_radius };
         let is_transparent = settings.opacity < 1.0
             || settings.surface_opacity.is_some_and(|opacity| opacity < 1.0)
             || settings.class.iter().any(|class| class.opacity.is_some_and(|opacity| opacity < 1.0))
@@ -100,6 +107,7 @@ impl StoredCloud {
             first,
             largest_radius,
             fixed_radius,
+            class_radius,
             brightest,
             splats: None,
             is_transparent,
@@ -142,13 +150,13 @@ impl StoredCloud {
     fn radii(&self, nodes: &[Node], scene: &Scene) -> Vec<f32> {
         let settings = &scene.clouds[self.index];
         if let Some(radius) = self.fixed_radius {
-            return vec![radius; nodes.len()];
+            return vec![radius.max(self.class_radius); nodes.len()];
         }
         if self.splats.is_some() {
             let reach = |own: f32| gaussians::scaled_reach(own, settings);
             return nodes.iter().map(|node| node.largest_radius.map_or(self.largest_radius, reach)).collect();
         }
-        let own = |node: &Node| node.largest_radius.map(|own| radius(settings, Some(own)));
+        let own = |node: &Node| node.largest_radius.map(|own| radius(settings, Some(own)).max(self.class_radius));
         let has_levels = nodes.iter().any(|node| node.parent.is_some());
         let Some(own) = nodes.iter().map(own).collect::<Option<Vec<f32>>>().filter(|_| has_levels) else {
             return vec![self.largest_radius; nodes.len()];

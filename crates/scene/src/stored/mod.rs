@@ -87,13 +87,15 @@ pub fn systems(stores: &[OpenStore]) -> Systems {
     stores.iter().map(|store| store.summary().like.crs.clone()).collect()
 }
 
-/// Notes about the filters that Gaussians were trained with.
-fn filter_notes(scene: &Scene, stores: &[OpenStore]) -> Vec<String> {
-    let note = |(settings, store): (&CloudSettings, &OpenStore)| {
-        let note = gaussians::filter_note(scene, settings, &store.summary().like)?;
-        Some(format!("{}: {note}", settings.path.display()))
+/// Notes about the filters that Gaussians were trained with, and about radii that they have no use for.
+fn splat_notes(scene: &Scene, stores: &[OpenStore]) -> Vec<String> {
+    let notes = |(settings, store): (&CloudSettings, &OpenStore)| {
+        let like = &store.summary().like;
+        let notes = [gaussians::filter_note(scene, settings, like), gaussians::radius_note(scene, settings, like)];
+        let path = settings.path.display().to_string();
+        notes.into_iter().flatten().map(move |note| format!("{path}: {note}"))
     };
-    scene.clouds.iter().zip(stores).filter_map(note).collect()
+    scene.clouds.iter().zip(stores).flat_map(notes).collect()
 }
 
 /// A scene whose clouds are stores.
@@ -162,7 +164,7 @@ impl Stored {
         let gaussians = |index: usize| stores.get(index)?.summary().like.gaussians.as_ref();
         let blend_space = scene.settle_for(|index| gaussians(index).map(Gaussians::blend_space));
         let has_gaussians = (0..stores.len()).any(|index| gaussians(index).is_some());
-        let mut notes = filter_notes(&scene, stores);
+        let mut notes = splat_notes(&scene, stores);
         let is_unlit = is_unlit(&scene, stores);
         if is_unlit {
             scene.shading.model = match scene.shading.model {

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 pub use derived::DerivedColumns;
 
-use super::assemble::{self, opacity, radius, request};
+use super::assemble::{self, class_radius, opacity, radius, request};
 use super::classes::Rules;
 use super::clip::Clips;
 use super::coloring::{ColorKey, Coloring, Colors};
@@ -122,10 +122,33 @@ struct ColumnKey {
     /// Opacity of the surface, and K if the opacities of its points depend on neighbors.
     surface_opacity: Option<(u32, Option<usize>)>,
     classes: Vec<ClassSettings>,
-    /// Given radius, factor, and how radii are estimated if they are asked for.
-    radius: (Option<u32>, u32, Option<RadiusKey>),
+    /// Key of the radii.
+    radius: RadiiKey,
     /// Key of the field, if the method needs it.
     field: Option<FieldKey>,
+}
+
+/// Everything that determines the radii of a cloud's points.
+#[derive(Debug, Clone, PartialEq)]
+struct RadiiKey {
+    given: Option<u32>,
+    factor: u32,
+    /// Definition of the estimated ones, if they are asked for.
+    estimated: Option<RadiusKey>,
+    /// Radii of classes.
+    classes: Vec<(Selection, u32)>,
+}
+
+impl RadiiKey {
+    fn of(settings: &CloudSettings, estimated: Option<RadiusKey>) -> Self {
+        let given = |entry: &ClassSettings| Some((entry.points.clone(), entry.radius?.to_bits()));
+        Self {
+            given: settings.radius.map(f32::to_bits),
+            factor: settings.radius_factor.to_bits(),
+            estimated,
+            classes: settings.class.iter().filter_map(given).collect(),
+        }
+    }
 }
 
 fn bits_of(color: Vec3) -> [u32; 3] {
@@ -171,7 +194,8 @@ impl CloudView<'_> {
         if let Some(gaussians) = self.gaussians {
             return gaussians::reach(gaussians.extents[i], self.settings);
         }
-        radius(self.settings, self.radii.map(|radii| radii[i]))
+        let own = || radius(self.settings, self.radii.map(|radii| radii[i]));
+        class_radius(self.settings, &self.rules, i).unwrap_or_else(own)
     }
 
     fn field(&self, i: usize) -> f32 {
@@ -226,7 +250,7 @@ fn learn(
                 opacity: settings.opacity.to_bits(),
                 surface_opacity: settings.surface_opacity.map(|a| (a.to_bits(), neighbors)),
                 classes: settings.class.clone(),
-                radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), estimated),
+                radius: RadiiKey::of(settings, estimated),
                 field: method.needs_field().then(|| request.field_key(cloud)),
             })
         };
@@ -242,7 +266,7 @@ fn views<'a>(
 ) -> Result<Vec<CloudView<'a>>, Error> {
     let each = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow)).zip(derived).zip(column_keys);
     each.map(|(((settings, cloud), derived), column_key)| {
-        let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.own_radii() };
+        let own = if column_key.radius.estimated.is_some() { derived.radii() } else { cloud.own_radii() };
         let normals = scene.shading_normals().and_then(|which| derived.normals(which));
         let neighbors = column_key.surface_opacity.and_then(|(_, neighbors)| neighbors);
         Ok(CloudView {
@@ -387,10 +411,10 @@ impl<'a> ColumnUpdate<'a> {
         let colors = self.changed(|column_key| (column_key.color.clone(), column_key.classes.clone()));
         let opacities = self.changed(|column_key| {
             // The opacity of a disc of a surface depends on its radius.
-            let of_surface = column_key.surface_opacity.map(|opacity| (opacity, column_key.radius));
+            let of_surface = column_key.surface_opacity.map(|opacity| (opacity, column_key.radius.clone()));
             (column_key.opacity, of_surface, column_key.classes.clone())
         });
-        let radii = self.changed(|column_key| column_key.radius);
+        let radii = self.changed(|column_key| column_key.radius.clone());
         Changes {
             colors: self.column(&mut points.colors, &colors, CloudView::color, bits_of),
             opacities: self.column(&mut points.opacities, &opacities, CloudView::opacity, f32::to_bits),

@@ -1,4 +1,4 @@
-//! `[[cloud.class]]`: opacities, colors and visibility of points by class or by a scalar, worked by hand.
+//! `[[cloud.class]]`: opacities, colors, radii and visibility of points by class or by a scalar, worked by hand.
 
 use glam::{DVec3, Vec3};
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
@@ -119,8 +119,9 @@ fn entries_with_missing_or_surplus_keys_are_errors() {
             "id = 'grund'\nopacity = 1",
             "s.toml:4:6: `cloud.0.class.0.id` names no class: \"grund\"; did you mean `ground`?",
         ),
-        ("id = 2", "s.toml:3:1: a [[cloud.class]] needs `opacity`, `color` or `visible`"),
+        ("id = 2", "s.toml:3:1: a [[cloud.class]] needs `opacity`, `color`, `radius` or `visible`"),
         ("scalar = 'a'\nopacity = 1", "s.toml:3:1: a [[cloud.class]] needs either `id`, or `scalar` and `range`"),
+        ("id = 2\nradius = -1", "s.toml:5:10: `cloud.0.class.0.radius` must be a number of at least 0, found -1"),
         ("id = 2\nopacity = 2", "s.toml:5:11: `cloud.0.class.0.opacity` must be a number from 0.0 to 1.0, found 2"),
     ] {
         let text = format!("[[cloud]]\npath = 'a'\n[[cloud.class]]\n{entry}");
@@ -153,4 +154,49 @@ fn a_cloud_may_be_hidden_whole() {
         assert_eq!(points.bounds(), Some(Bounds { min: DVec3::ZERO, max: DVec3::new(10.0, 0.0, 0.0) }));
         assert_eq!(arranged.surfaces().len(), usize::from(method.is_dealt()), "clouds without points are omitted");
     }
+}
+
+/// Radii of a cloud's points in the order of x.
+fn radii(keys: &str, cloud: Cloud) -> Vec<f32> {
+    let text = format!("[[cloud]]\npath = 'a.las'\nneighbors = 2\n{keys}");
+    let found = assemble(&scene_of(&text, &Overrides::default()), vec![cloud], true, &Progress::hidden()).unwrap();
+    by_x(&found, &found.radii)
+}
+
+const GROUND_IS_LARGE: &str = "[[cloud.class]]\nid = 'ground'\nradius = 0.25";
+
+#[test]
+fn a_class_has_its_radius_and_the_others_keep_theirs() {
+    let of = || cloud(&[2, 5, 2, 6]);
+    let own = || Cloud { radii: Some(vec![0.125, 0.5, 0.75, 1.0]), ..of() };
+    // The radius of all points, those of the file, and those that are estimated from all points, whatever their class.
+    let estimated = radii("", of());
+    assert!(estimated.iter().all(|radius| *radius > 0.25), "{estimated:?}");
+    assert_eq!(radii(&format!("radius = 4\n{GROUND_IS_LARGE}"), of()), [0.25, 4.0, 0.25, 4.0]);
+    assert_eq!(radii(GROUND_IS_LARGE, own()), [0.25, 0.5, 0.25, 1.0]);
+    assert_eq!(radii(GROUND_IS_LARGE, of()), [0.25, estimated[1], 0.25, estimated[3]]);
+    // `radius_factor` multiplies it and `scale` doesn't, like `radius`.
+    assert_eq!(radii(&format!("scale = 8\nradius_factor = 2\n{GROUND_IS_LARGE}"), own()), [0.5, 8.0, 0.5, 16.0]);
+    // Of several entries the last one that gives a radius counts; one without leaves it.
+    let later =
+        "[[cloud.class]]\nscalar = 'dose'\nrange = [15, 35]\nradius = 2\n[[cloud.class]]\nid = 6\nopacity = 0.5";
+    assert_eq!(radii(&format!("{GROUND_IS_LARGE}\n{later}"), own()), [0.25, 0.5, 2.0, 2.0]);
+    assert_eq!(radii("[[cloud.class]]\nid = 2\nradius = 0", own()), [0.0, 0.5, 0.0, 1.0]);
+    let unclassified = Cloud { classification: None, ..own() };
+    assert_eq!(radii(GROUND_IS_LARGE, unclassified), [0.125, 0.5, 0.75, 1.0]);
+}
+
+#[test]
+fn radii_of_classes_count_where_others_do() {
+    let of = |keys: &str| scene_of(&format!("[[cloud]]\npath = 'a.las'\nneighbors = 2\n{keys}"), &Overrides::default());
+    let assembled = |scene: &Scene| assemble(scene, vec![cloud(&[2; 9])], true, &Progress::hidden()).unwrap();
+    // A class that all points have.
+    let both = ["radius = 0.75", "radius = 3\n[[cloud.class]]\nid = 2\nradius = 0.75"].map(|keys| {
+        let scene = of(&format!("surface_opacity = 0.5\n{keys}"));
+        let points = assembled(&scene);
+        (scene::camera(&scene, &points, UpAxis::Z).unwrap().0, points.opacities)
+    });
+    assert_eq!(both[0].0, both[1].0, "the camera shows whole discs");
+    assert_eq!(both[0].1, both[1].1, "larger discs are fainter where a surface has an opacity");
+    assert!(both[0].1 != assembled(&of("surface_opacity = 0.5\nradius = 3")).opacities);
 }

@@ -83,6 +83,7 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         points: one_of(r, &selections),
         opacity: one_of(r, &[None, Some(0.125)]),
         color: one_of(r, &[None, Some(Vec3::Y)]),
+        radius: one_of(r, &[None, Some(0.0), Some(0.75)]),
         visible: one_of(r, &[None, Some(false), Some(true)]),
     };
     let slab = |max| Clip { shape: ClipShape::Slab { axis: 0, min: None, max: Some(max) }, invert: false };

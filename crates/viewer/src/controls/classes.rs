@@ -11,6 +11,8 @@ pub struct ClassLook {
     pub opacity: Option<f32>,
     /// Color in place of the cloud's, linear.
     pub color: Option<Vec3>,
+    /// Radius in place of the cloud's, in world units.
+    pub radius: Option<f32>,
     /// False if its points are not drawn.
     pub visible: bool,
     /// True if an entry is about this class alone.
@@ -45,6 +47,7 @@ pub fn class_look(entries: &[ClassSettings], code: u8) -> ClassLook {
     ClassLook {
         opacity: about().find_map(|entry| entry.opacity),
         color: about().find_map(|entry| entry.color),
+        radius: about().find_map(|entry| entry.radius),
         visible: about().find_map(|entry| entry.visible).unwrap_or(true),
         is_given: about().any(|entry| is_own(entry, code)),
     }
@@ -87,7 +90,7 @@ fn shown(cloud: usize, entries: &[ClassSettings], code: u8) -> Vec<Change> {
     let hiding = entries.iter().enumerate().filter(|(_, entry)| is_own(entry, code) && entry.visible.is_some());
     let change = |(at, entry): (usize, &ClassSettings)| {
         // An entry must say something.
-        let says_more = entry.opacity.is_some() || entry.color.is_some();
+        let says_more = entry.opacity.is_some() || entry.color.is_some() || entry.radius.is_some();
         let key = if says_more { ".visible" } else { "" };
         (format!("cloud.{cloud}.class.{at}{key}"), None)
     };
@@ -107,8 +110,9 @@ pub fn class_resets(cloud: usize, entries: &[ClassSettings], opened: &[ClassSett
     let opacity = wanted.opacity.filter(|_| wanted.opacity != left.opacity).map(|x| Setting::Number(rounded(x)));
     let color = wanted.color.filter(|_| wanted.color != left.color);
     let color = color.map(|color| Setting::from(color.to_array().map(rounded)));
+    let radius = wanted.radius.filter(|_| wanted.radius != left.radius).map(|x| Setting::Number(rounded(x)));
     let visible = (wanted.visible != left.visible).then_some(Setting::Flag(wanted.visible));
-    let given = [("opacity", opacity), ("color", color), ("visible", visible)];
+    let given = [("opacity", opacity), ("color", color), ("radius", radius), ("visible", visible)];
     let given: Vec<Change> =
         given.into_iter().filter(|(_, value)| value.is_some()).map(|(name, value)| (at(name), value)).collect();
     if given.is_empty() {
@@ -151,6 +155,7 @@ mod tests {
             "[[cloud.class]]\nid = 'building'\nopacity = 0.5\n".to_owned(),
             format!("{range}opacity = 0.25\nvisible = false\n"),
             format!("[[cloud.class]]\nid = 6\nvisible = false\ncolor = 'red'\n{range}visible = false\n"),
+            format!("[[cloud.class]]\nid = 6\nradius = 0.25\nvisible = false\n{range}opacity = 0.5\n"),
             format!(
                 "{range}color = 'blue'\n[[cloud.class]]\nid = 6\nopacity = 0.1\n[[cloud.class]]\nid = 6\nopacity = 0.2\n"
             ),
@@ -167,8 +172,13 @@ mod tests {
             for key in keys {
                 document.change(&class_changes(1, &entries(&document), 6, key)).unwrap();
             }
-            let wanted =
-                ClassLook { opacity: Some(0.125), color: Some(Vec3::splat(0.5)), visible: true, is_given: true };
+            let wanted = ClassLook {
+                opacity: Some(0.125),
+                color: Some(Vec3::splat(0.5)),
+                radius: class_look(&opened, 6).radius,
+                visible: true,
+                is_given: true,
+            };
             assert_eq!(class_look(&entries(&document), 6), wanted, "{text}");
             assert_eq!(class_look(&entries(&document), 5), other, "{text}");
             document.change(&class_resets(1, &entries(&document), &opened, 6)).unwrap();

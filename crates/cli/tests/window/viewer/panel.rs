@@ -190,7 +190,13 @@ fn the_scene_is_cut_in_the_picture_and_by_classes() {
 
         desk.fold("Classes", "cloud.0.class.5.visible");
         desk.click("cloud.0.class.5.visible");
-        let hidden = ClassSettings { points: Selection::Class(5), opacity: None, color: None, visible: Some(false) };
+        let hidden = ClassSettings {
+            points: Selection::Class(5),
+            opacity: None,
+            color: None,
+            radius: None,
+            visible: Some(false),
+        };
         assert_eq!(desk.saved().clouds[0].class, [hidden]);
         desk.click("cloud.0.class.5.visible");
         assert_eq!(desk.saved().clouds[0].class, []);
