@@ -345,7 +345,7 @@ fn several_stores_with_clips_classes_and_color_maps_have_the_bytes_of_memory() {
 #[test]
 fn radii_of_classes_in_stores_are_those_of_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "one", cloud(1, 8_000));
+    let path = store(folder.path(), "one", cloud(1, 12_000));
     // Far larger than those of the file: discs reach into windows from nodes far outside of them.
     let large = "[[cloud.class]]\nid = 6\nradius = 0.2\nopacity = 0.05\n[[cloud.class]]\nid = 'ground'\nradius = 0.001\n\
                  [[cloud.class]]\nscalar = 'intensity'\nrange = [990, 1000]\nradius = 0.15\n";
