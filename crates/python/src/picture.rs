@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use numpy::{Element, PyArray1, PyReadonlyArray1};
+use numpy::{Element, PyArray1, PyReadonlyArray1, PyUntypedArrayMethods};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::image::{Image, LinearImage};
+use pellucid_engine::methods;
 use pellucid_engine::profile::Profile;
+use pellucid_io::has_memory;
 use pellucid_io::output::{self, WriteOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -42,6 +44,16 @@ pub struct Arrays<'py> {
     fragments: Option<PyReadonlyArray1<'py, u32>>,
     layers: Option<PyReadonlyArray1<'py, u32>>,
     stderr: Option<PyReadonlyArray1<'py, f32>>,
+}
+
+impl Arrays<'_> {
+    /// Returns the numbers of values of the arrays that not every image has.
+    fn optional_lens(&self) -> impl Iterator<Item = usize> {
+        let floats =
+            [&self.median, &self.mean, &self.stderr].map(|array| array.as_ref().map_or(0, |array| array.len()));
+        let counts = [&self.fragments, &self.layers].map(|array| array.as_ref().map_or(0, |array| array.len()));
+        floats.into_iter().chain(counts)
+    }
 }
 
 type Floats<'py> = Bound<'py, PyArray1<f32>>;
@@ -151,6 +163,12 @@ impl Picture {
     fn image(&self, arrays: &Arrays<'_>) -> Result<Image, Failure> {
         let [width, height] = self.size;
         let pixels = width as usize * height as usize;
+        // Copies of the arrays, the composed color, and 8-bit values in a vector that grows.
+        let lens = [arrays.rgba.len(), arrays.depth.len()].into_iter().chain(arrays.optional_lens());
+        let bytes = 4 * lens.sum::<usize>() as u64 + 24 * pixels as u64;
+        if !has_memory(bytes) {
+            return Err(methods::Error::HostMemory { width, height, bytes }.into());
+        }
         Ok(Image {
             width,
             height,

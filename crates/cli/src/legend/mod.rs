@@ -91,6 +91,7 @@ pub fn write(
     (legend, place): (&Legend, LegendPlace),
     camera: &Camera,
 ) -> Result<()> {
+    output::check_writing(path, image, options)?;
     let mut raster = output::raster(image, options);
     // The background of a transparent picture is not known.
     let looks = if options.transparent { DARK_PANEL } else { Looks::on(options.background) };

@@ -103,6 +103,34 @@ fn a_picture_too_large_for_memory_is_an_error_that_says_what_it_needs() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn no_command_that_makes_pictures_ends_in_an_abort_where_memory_is_short() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_cloud(&inside(&folder, "a.ply"));
+    // 4096² pixels of 20 bytes; from a limit below the image to some within which a part of the work fits.
+    for limit_kib in [700_000, 900_000, 1_100_000, 1_400_000] {
+        for args in [
+            "profile a.ply --method points --frames 1 --json",
+            "render a.ply --method points --legend --ortho -o a.png",
+            "render a.ply --method points --aov -o a.exr",
+            "render a.ply --method points --turntable --frames 1 -o a_%d.png",
+        ] {
+            let program = assert_cmd::cargo::cargo_bin("pellucid");
+            let command = format!("ulimit -v {limit_kib}; exec \"$0\" {args} --size 4096x4096");
+            let mut shell = std::process::Command::new("sh");
+            shell.args(["-c", &command]).arg(program).current_dir(&folder);
+            let output = shell.env("PELLUCID_CACHE_DIR", pellucid_testing::shader_cache()).output().unwrap();
+            let stderr = String::from_utf8_lossy(&output.stderr);
+            assert!([Some(0), Some(1)].contains(&output.status.code()), "{args}, {limit_kib} KiB: {stderr}");
+            assert!(output.status.success() || stderr.contains("error: "), "{args}, {limit_kib} KiB: {stderr}");
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn a_folder_that_takes_no_file_is_an_error() {
     if !has_device() {
         return;

@@ -173,6 +173,11 @@ impl PartLayout {
         self.size[0] as usize * self.size[1] as usize
     }
 
+    /// Returns the bytes of a part with these samples.
+    pub fn bytes(self, samples: Range<u32>) -> u64 {
+        4 * self.pixels() as u64 * self.planes(samples).map(|plane| plane.words() as u64).sum::<u64>()
+    }
+
     /// The planes of parts with these samples.
     fn planes(self, samples: Range<u32>) -> impl Iterator<Item = Plane> {
         let (some, first) = (!samples.is_empty(), !samples.is_empty() && samples.start == 0);

@@ -201,6 +201,23 @@ fn check_bytes(path: &Path, size: [u32; 2], each: u64) -> Result<(), Error> {
 /// Returns the errors of [`check_target`], an error for a path that is one of the image's inputs, and errors of the
 /// system while writing; the earlier file then remains.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
+    let format = check_image(path, image, options)?;
+    write_atomically(path, |file| match format {
+        Format::Png => png::encode(file, &raster(image, options), &options.metadata),
+        Format::Exr => exr::encode(file, image, options),
+    })
+}
+
+/// Refuses an image that can't be written, or for which memory lacks room meanwhile: call it before [`raster`].
+///
+/// # Errors
+/// Returns [`Error::NoMemory`], and an error for a path that is one of the image's inputs or has another extension than
+/// `.png` and `.exr`.
+pub fn check_writing(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
+    check_image(path, image, options).map(drop)
+}
+
+fn check_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<Format, Error> {
     let format = Format::from_extension(path)?;
     options.inputs.refuse(path)?;
     let of = |is_there: bool, channels| if is_there { channels } else { 0 };
@@ -210,10 +227,7 @@ pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result
         + of(image.layers.is_some(), 1)
         + of(image.stderr.is_some(), 3);
     check_bytes(path, [image.width, image.height], format.pixel_bytes(5 + more))?;
-    write_atomically(path, |file| match format {
-        Format::Png => png::encode(file, &raster(image, options), &options.metadata),
-        Format::Exr => exr::encode(file, image, options),
-    })
+    Ok(format)
 }
 
 /// The pixels of a PNG.

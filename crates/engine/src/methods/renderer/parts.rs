@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use super::walk::{Job, is_whole, largest};
 use super::{Begun, Rendered, Renderer, edl};
+use crate::io::has_memory;
 use crate::methods::DrawnPart;
 use crate::methods::parts::{PartLayout, Plane};
 use crate::methods::prelude::*;
@@ -42,13 +43,16 @@ impl Renderer {
     ) -> Result<DrawnPart, Error> {
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
+        let ([width, height], bytes) = (frame.size, layout.bytes(samples.clone()));
+        if !has_memory(bytes) {
+            return Err(Error::HostMemory { width, height, bytes });
+        }
         let mut begun = self.begin(engine, cloud, frame, timeline, false)?;
         if samples.is_empty() {
             begun.windows.clear();
         }
         let sums = RefCell::new(SamplePart::new(layout, samples.clone()));
         let job = Job { samples, sums: Some(&sums), ..Job::new(engine, frame, begun.budget) };
-        let [width, height] = frame.size;
         let mut image = Image { width, height, ..Image::default() };
         let mut facts = self.draw(cloud, &job, &begun.windows, &mut image, timeline)?;
         let part = sums.into_inner();
@@ -80,13 +84,14 @@ impl Renderer {
         self.progress.check()?;
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
+        self.check_memory(engine, frame)?;
         self.device.reset_peak();
         let waits = self.device.waits();
         let (budget, shading) = edl::divided(self.budget(engine, cloud, frame), frame);
         let windows = self.windows(engine, frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
         let begun = Begun { waits, light_views: 0, budget, shading, windows };
-        let mut image = self.begin_image(engine, frame);
+        let mut image = self.begin_image(engine, frame)?;
         self.target.keeps_colors &= begun.windows.iter().all(|window| is_whole(*window, frame));
         let mut facts = self.begin_windows(cloud, frame);
         // Lengths of lists came with the parts.
