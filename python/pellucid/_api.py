@@ -107,6 +107,7 @@ def profile(
     points: Any,
     *,
     frames: int = 5,
+    steady: bool = False,
     opacity: float | None = None,
     method: str = "auto",
     camera: Camera | Mapping[str, Any] | None = None,
@@ -120,12 +121,13 @@ def profile(
     """Measure what the frames of a scene cost, pass by pass.
 
     A first frame, which isn't counted, pays for pipelines and buffers. ``frames`` is the number of frames that count, from 1 to
-    100000. The other arguments are those of `render`.
+    100000. With ``steady`` their counts are foreseen, as in a window or a film, and a frame waits for the device once; without,
+    each frame waits for its own counts. The other arguments are those of `render`.
     """
     count = positive("frames", frames)
     arguments = _arguments(opacity, method, camera, size, settings)
     with Sharing(device) as renderer, _loaded(renderer, points, arguments, seed, progress) as loaded:
-        return loaded.profile(frames=count, accuracy=accuracy, progress=progress)
+        return loaded.profile(frames=count, steady=steady, accuracy=accuracy, progress=progress)
 
 
 def plan(

@@ -60,6 +60,8 @@ class FrameCost:
 
     gpu_ms: float
     """Time of all passes on the device, in milliseconds."""
+    total_ms: float | None
+    """Time of the whole frame on the device, without timestamps between passes, in milliseconds; None of a picture."""
     wall_ms: float
     """Time from the first submission to the picture in memory, in milliseconds."""
     waits: int
@@ -70,7 +72,7 @@ class FrameCost:
     @classmethod
     def _of(cls, json: dict[str, Any]) -> FrameCost:
         passes = (Pass(p["name"], p["gpu_ms"], p.get("invocations"), p.get("bytes")) for p in json["passes"])
-        return cls(json["gpu_ms"], json["wall_ms"], json.get("waits", 0), tuple(passes))
+        return cls(json["gpu_ms"], json.get("total_ms"), json["wall_ms"], json.get("waits", 0), tuple(passes))
 
 
 @dataclass(frozen=True)

@@ -144,6 +144,7 @@ class Loaded:
         self,
         *,
         frames: int = 5,
+        steady: bool = False,
         camera: Camera | Mapping[str, Any] | None = None,
         size: Size | None = None,
         method: str | None = None,
@@ -154,13 +155,15 @@ class Loaded:
     ) -> Profile:
         """Measure frames, after a first one that isn't counted and pays for pipelines and buffers.
 
-        ``frames`` is the number of frames that count, from 1 to 100000. The other arguments are those of `frame`.
+        ``frames`` is the number of frames that count, from 1 to 100000. With ``steady`` their counts are foreseen, as in a window
+        or a film, and a frame waits for the device once; without, each frame waits for its own counts. The other arguments are
+        those of `frame`.
         """
         from ._measures import Profile
 
         request = self._ask(settings, camera=camera, size=size, method=method, accuracy=accuracy, seed=seed)
         with listening(progress) as listener:
-            text = self._native.profile(request, positive("frames", frames), listener)
+            text = self._native.profile(request, positive("frames", frames), bool(steady), listener)
         return Profile._of(json.loads(text))
 
     def _ask(

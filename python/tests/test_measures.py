@@ -28,6 +28,11 @@ def test_a_profile_is_that_of_the_command_line(renderer, cli):
     assert profile.points == theirs["scene"]["points"]
     assert profile.fragments == theirs["scene"]["fragments"]
     assert profile.gpu_ms > 0.0
+    assert all(frame.total_ms > 0.0 and frame.waits > 1 for frame in profile.frames)
+    steady = pellucid.profile(BLADE, frames=3, steady=True, size=(96, 64), opacity=0.3)
+    assert [frame.waits for frame in steady.frames] == [1, 1, 1]
+    assert [ours["steady"], theirs["steady"], steady.json["steady"]] == [False, False, True]
+    assert steady.fragments == profile.fragments
     table = profile.to_pandas()
     assert len(table) == sum(len(frame.passes) for frame in profile.frames)
     assert {"frame", "name", "gpu_ms", "invocations", "bytes"} <= set(table.columns)

@@ -1,5 +1,6 @@
 //! The cost of frames: the profile as JSON and as a Chrome trace.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use pellucid_scene::stored::Reads;
@@ -22,6 +23,9 @@ pub struct Profile {
     pub method: &'static str,
     /// Width × height.
     pub pixels: u64,
+    /// `true` if the counts of the frames were foreseen, `false` if each frame waited for its own; `None` for a picture
+    /// that is rendered once.
+    pub steady: Option<bool>,
     /// Nodes and bytes of stores that were read so far; 0 for clouds in memory.
     pub read: Reads,
     /// Most bytes of host memory that the process had so far; `None` where the system doesn't say.
@@ -46,6 +50,7 @@ impl Profile {
             driver: info.driver.clone(),
             timestamp_period_ns: info.timestamp_period_ns,
             method: frame.method.name(),
+            steady: None,
             read: Reads::default(),
             peak_host_bytes: None,
             pixels: u64::from(frame.size[0]) * u64::from(frame.size[1]),
@@ -74,13 +79,20 @@ impl Profile {
             .iter()
             .map(|f| {
                 let passes: Vec<Value> = f.passes.iter().map(pass).collect();
-                json!({"gpu_ms": ms(f.gpu()), "wall_ms": ms(f.wall), "waits": f.waits, "passes": passes})
+                json!({
+                    "gpu_ms": ms(f.gpu()),
+                    "total_ms": f.total.map(ms),
+                    "wall_ms": ms(f.wall),
+                    "waits": f.waits,
+                    "passes": passes,
+                })
             })
             .collect();
         json!({
             "version": 1,
             "device": {"name": self.device, "driver": self.driver, "timestamp_period_ns": self.timestamp_period_ns},
             "method": self.method,
+            "steady": self.steady,
             "scene": {
                 "points": self.facts.shown,
                 "pixels": self.pixels,
@@ -157,9 +169,12 @@ pub fn median(mut values: Vec<f64>) -> f64 {
 
 /// Returns lengths of lists and how many pixels have each, ascending.
 pub fn histogram(lengths: &[u32]) -> Vec<(u32, u64)> {
-    let mut sorted = lengths.to_vec();
-    sorted.sort_unstable();
-    sorted.chunk_by(|a, b| a == b).map(|run| (run[0], run.len() as u64)).collect()
+    // Few of them differ, while a sorted copy of those of a large picture may not fit into memory.
+    let mut counts = BTreeMap::new();
+    for run in lengths.chunk_by(|a, b| a == b) {
+        *counts.entry(run[0]).or_insert(0) += run.len() as u64;
+    }
+    counts.into_iter().collect()
 }
 
 /// Returns bytes per second, reads and writes together, of the device's own copy between two buffers: the yardstick for

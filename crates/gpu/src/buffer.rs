@@ -10,7 +10,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 
 use super::deletions::Deletion;
-use super::{Context, Error, GpuType, Recorder, guard};
+use super::{Context, Error, GpuType, Recorder, Stamps, guard};
 
 /// Bytes of the staging buffer that uploads and read-backs pass through.
 const STAGING_BYTES: u64 = 16 << 20;
@@ -138,7 +138,7 @@ impl<T: GpuType> Buffer<T> {
             let count = most.min(len - first);
             let elements = bytemuck::cast_slice_mut(&mut staging.mapped_mut()[..(count * size) as usize]);
             fill(first as usize..(first + count) as usize, elements);
-            let mut recorder = Recorder::new(&self.context, false)?;
+            let mut recorder = Recorder::new(&self.context, Stamps::None)?;
             recorder.copy_raw("upload", staging.raw_slice(0, count * size), self.raw_slice(first * size, count * size));
             recorder.submit("upload")?;
             first += count;
@@ -156,7 +156,7 @@ impl<T: GpuType> Buffer<T> {
         let mut offset = 0;
         for chunk in out_bytes.chunks_mut(staging_bytes as usize) {
             let bytes = chunk.len() as u64;
-            let mut recorder = Recorder::new(&self.context, false)?;
+            let mut recorder = Recorder::new(&self.context, Stamps::None)?;
             let from = self.raw_slice(source.offset + offset, bytes);
             recorder.copy_raw("read-back", from, staging.raw_slice(0, bytes));
             recorder.submit("read-back")?;

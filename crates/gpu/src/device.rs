@@ -11,7 +11,7 @@ use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, queue_family};
 use super::surface::Surface;
-use super::{Buffer, Compilation, Error, GpuType, Memory, PipelineSource, Preferences, Recorder};
+use super::{Buffer, Compilation, Error, GpuType, Memory, PipelineSource, Preferences, Recorder, Stamps};
 
 /// Returns the Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would
 /// take, if it can be.
@@ -229,12 +229,17 @@ impl Device {
 
     /// Returns a new recorder, which times its passes and counts their invocations.
     pub fn recorder(&self) -> Result<Recorder<'_>, Error> {
-        Recorder::new(&self.0, true)
+        Recorder::new(&self.0, Stamps::Passes)
     }
 
     /// A new recorder without times and counts: passes that have nothing to do with one another may run at once.
     pub fn plain_recorder(&self) -> Result<Recorder<'_>, Error> {
-        Recorder::new(&self.0, false)
+        Recorder::new(&self.0, Stamps::None)
+    }
+
+    /// Returns a new recorder with timestamps at these places.
+    pub fn recorder_with(&self, stamps: Stamps) -> Result<Recorder<'_>, Error> {
+        Recorder::new(&self.0, stamps)
     }
 
     /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use pellucid_engine::methods::FrameProfile;
-use pellucid_engine::profile::{Profile, median};
+use pellucid_engine::profile::{self, Profile, median};
 
 /// The per-pass table over all frames: least, median and greatest device time, share of the frame, and bytes moved.
 ///
@@ -59,6 +59,14 @@ fn foot(profile: &Profile, copy_rate: Option<f64>) -> String {
         "passes {gpu:.2} ms of {submitted:.2} ms submitted ({:.1}%), frame with read-back {wall:.2} ms",
         100.0 * gpu / submitted.max(f64::MIN_POSITIVE)
     )];
+    let whole: Vec<f64> = profile.frames.iter().filter_map(|f| Some(f.total?.as_secs_f64() * 1e3)).collect();
+    if !whole.is_empty() {
+        let waits = profile::median(profile.frames.iter().map(|f| f.waits as f64).collect());
+        lines.push(format!(
+            "without timestamps between passes: {:.2} ms on the device; {waits} wait(s) a frame",
+            profile::median(whole)
+        ));
+    }
     lines.push(format!(
         "device memory: peak {}, fragments {} in {} band(s)",
         bytesize::ByteSize(profile.facts.peak_device_bytes),

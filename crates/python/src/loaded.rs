@@ -59,11 +59,18 @@ impl Loaded {
     }
 
     /// Measure frames and return the JSON of `pellucid profile`.
-    #[pyo3(signature = (ask, frames, listener=None))]
-    fn profile(&self, py: Python<'_>, ask: Ask, frames: u32, listener: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+    #[pyo3(signature = (ask, frames, steady, listener=None))]
+    fn profile(
+        &self,
+        py: Python<'_>,
+        ask: Ask,
+        frames: u32,
+        steady: bool,
+        listener: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
         self.with(py, listener, move |work, talk| {
             work.prepare(&ask.with_fragments(), talk)?;
-            measures::profile(&mut work.session, frames, talk)
+            measures::profile(&mut work.session, (frames, steady), talk)
         })
     }
 

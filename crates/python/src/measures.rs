@@ -8,7 +8,7 @@ use pellucid_engine::profile;
 use pellucid_io::output;
 use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options};
 use pellucid_session::candidates::{self, Formation};
-use pellucid_session::{Messages, Session};
+use pellucid_session::{Measuring, Messages, Session};
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -17,34 +17,34 @@ use crate::request::Ask;
 use crate::session::SceneSession;
 use crate::talk::Talk;
 
-/// Renders a first frame, which pays for pipelines and buffers, then those that count.
-pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String, Failure> {
-    let render = |session: &mut Session| {
-        let rendered = session.renderer.render(&mut session.uploaded.cloud, &session.frame)?;
-        session.device.check_validation()?;
-        Ok::<_, Failure>(rendered)
-    };
+/// Renders a first frame, which pays for pipelines and buffers, then those that count, steady or not.
+pub fn profile(session: &mut Session, (frames, steady): (u32, bool), talk: &Talk) -> Result<String, Failure> {
     let kept = session.frame;
-    let first = render(session)?;
+    let first = session.render()?;
     let mut profile = session.profile();
+    profile.steady = Some(steady);
     let counted = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
-    if session.frame.counts_on_demand() {
+    if session.frame.counts_on_demand() || steady {
         // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
     }
     session.renderer.recycle(first.image);
     talk.progress.reset();
     talk.progress.set_message("measuring");
+    let (mut measuring, mut hindrance) = (Measuring::new(steady), None);
     let measured = (0..frames).try_for_each(|_| {
         talk.go_on()?;
-        let rendered = render(session)?;
+        let rendered = measuring.frame(session)?;
+        hindrance = hindrance.or(measuring.hindrance(session, &rendered));
         profile.add(&rendered);
-        session.renderer.recycle(rendered.image);
         Ok::<_, Failure>(())
     });
     session.frame = kept;
     measured?;
+    if let Some(reason) = hindrance {
+        talk.note(&format_args!("steady: the frames wait for their counts, because {reason}"));
+    }
     (profile.facts.fragments, profile.facts.max_list) = counted;
     profile.list_histogram = histogram;
     session.add_use(&mut profile);

@@ -12,6 +12,7 @@ mod assembled;
 pub mod candidates;
 pub mod choice;
 mod ensemble_warnings;
+mod measured;
 mod messages;
 mod notes;
 mod prepared;
@@ -21,6 +22,7 @@ mod sources;
 mod uploaded;
 
 pub use assembled::{Assembled, Wanted};
+pub use measured::Measuring;
 pub use messages::{Messages, Silent};
 pub use prepared::{Opened, Prepared};
 pub use request::{ChoiceRequest, FrameRequest, Request, SeeThrough, SeeThroughBy, inputs};

@@ -10,7 +10,8 @@ use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, OpacityFactor};
-use pellucid_engine::methods::{DrawnPart, Frame, PassProfile, Rendered, Renderer, SamplePart};
+use pellucid_engine::methods::{DrawnPart, Error as FrameError, Frame, PassProfile, Rendered, Renderer, SamplePart};
+use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::plan;
 use pellucid_engine::profile::Profile;
 use pellucid_gpu::Device;
@@ -29,6 +30,9 @@ use crate::{notes, prepared};
 
 /// Factor on opacities before one is found: a scene that can be seen through, so that `auto` takes a method for that.
 const UNKNOWN_OPACITY: f32 = 0.5;
+
+/// A way to render a frame.
+type Render = fn(&mut Renderer, &mut DeviceCloud, &Frame) -> Result<Rendered, FrameError>;
 
 /// A scene on a device, and the frame that was requested last.
 pub struct Session {
@@ -350,10 +354,22 @@ impl Session {
     /// # Errors
     /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.
     pub fn render(&mut self) -> Result<Rendered> {
+        self.render_by(Renderer::render)
+    }
+
+    /// Renders one frame, and finds its device time as a whole ([`Renderer::render_whole`]).
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::render`].
+    pub fn render_whole(&mut self) -> Result<Rendered> {
+        self.render_by(Renderer::render_whole)
+    }
+
+    fn render_by(&mut self, render: Render) -> Result<Rendered> {
         self.progress.begin(Phase::Frame);
         // Trial frames did without median and mean depths.
         let depths = self.frame.depths || self.prepared.request.frame.depths;
-        let rendered = self.renderer.render(&mut self.uploaded.cloud, &Frame { depths, ..self.frame })?;
+        let rendered = render(&mut self.renderer, &mut self.uploaded.cloud, &Frame { depths, ..self.frame })?;
         self.device.check_validation()?;
         Ok(rendered)
     }

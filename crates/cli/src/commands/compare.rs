@@ -36,7 +36,7 @@ pub struct CompareArgs {
     /// verdict}; unknown values are null.
     #[arg(long)]
     json: bool,
-    /// Profiles: compare them even if points, pixels, method or device differ.
+    /// Profiles: compare them even if points, pixels, method, device or --steady differ.
     ///
     /// Otherwise such a difference is an error (status 1), since the times are of different work.
     #[arg(long)]

@@ -20,6 +20,8 @@ struct Profile {
     device: ProfiledDevice,
     /// Absent in profiles of version 0.2.0 and before.
     method: Option<String>,
+    /// Absent in profiles of version 0.2.0 and before, and of pictures that were rendered once.
+    steady: Option<bool>,
     #[serde(default)]
     scene: ProfiledScene,
     frames: Vec<ProfiledFrame>,
@@ -132,11 +134,13 @@ pub fn run(
 /// difference.
 fn differences([a, b]: &[Profile; 2]) -> Vec<String> {
     let number = |value: Option<u64>| value.map(|value| value.to_string());
+    let steady = |profile: &Profile| profile.steady.map(|steady| steady.to_string());
     let facts = [
         ("points", number(a.scene.points), number(b.scene.points)),
         ("pixels", number(a.scene.pixels), number(b.scene.pixels)),
         ("method", a.method.clone(), b.method.clone()),
         ("device", a.device.name.clone(), b.device.name.clone()),
+        ("steady", steady(a), steady(b)),
     ];
     let differing = facts.into_iter().filter_map(|(name, a, b)| Some((name, a?, b?))).filter(|(_, a, b)| a != b);
     differing.map(|(name, a, b)| format!("{name} {a} and {b}")).collect()

@@ -59,6 +59,7 @@ impl FrameProfiles {
         if self.has_new {
             whole["host"] = empty["host"].clone();
         }
+        whole["steady"] = empty["steady"].clone();
         whole["frames"] = frames;
         whole
     }

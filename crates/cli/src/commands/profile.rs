@@ -6,7 +6,7 @@ use clap::Args;
 use pellucid_core::camera::Camera;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::{Result, profile};
-use pellucid_session::{FrameRequest, Prepared, Request, Session};
+use pellucid_session::{FrameRequest, Measuring, Prepared, Request, Session};
 
 use super::along::{Along, PathArgs};
 use super::bar::Bar;
@@ -34,6 +34,13 @@ pub struct ProfileArgs {
     pub frames: Option<u32>,
     #[command(flatten)]
     pub along: PathArgs,
+    /// Measure frames whose counts are foreseen, as those of a window or a film.
+    ///
+    /// Such a frame waits for the device once at most. Without this option each frame waits for its own counts, as a
+    /// single picture does. Frames of clouds that stay in their files, of pictures in several parts, and frames longer
+    /// than a second wait in any case; a note then says so, and `frames[].waits` has the number.
+    #[arg(long, help_heading = super::headings::FRAMES)]
+    pub steady: bool,
     /// Accuracy of the frames, that of an EXR or that of a PNG.
     ///
     /// For an EXR every fragment that changes a bit is blended. For a PNG the methods sorted and abuffer stop when no
@@ -100,10 +107,13 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
         ));
     }
     let mut profile = session.profile();
+    profile.steady = Some(args.steady);
     let counted_facts = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
     let on_demand = session.frame.counts_on_demand();
-    if on_demand {
+    // Windows and films don't ask for the lengths of lists either.
+    let uncounted = on_demand || args.steady;
+    if uncounted {
         // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
     }
@@ -111,10 +121,13 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     progress.counted("measuring", cameras.len() as u64);
     let mut measured = FrameProfiles::default();
     let moves = args.along.option().is_some();
+    let mut measuring = Measuring::new(args.steady);
+    let mut hindrance = None;
     for (number, camera) in cameras.iter().enumerate() {
         session.frame.camera = *camera;
-        let counted = if moves && on_demand { Some(count_lists(&mut session)?) } else { None };
-        let mut rendered = session.render()?;
+        let counted = if moves && uncounted { Some(count_lists(&mut session)?) } else { None };
+        let mut rendered = measuring.frame(&mut session)?;
+        hindrance = hindrance.or(measuring.hindrance(&session, &rendered));
         if let Some(counted) = counted {
             rendered.facts.fragments = counted.facts.fragments;
             rendered.facts.max_list = counted.facts.max_list;
@@ -124,13 +137,15 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
         if moves {
             measured.add(number, camera, None, &session, &rendered);
         }
-        session.renderer.recycle(rendered.image);
         progress.inc(1);
     }
     session.add_phases(&mut profile);
     // The table's alone.
     let copy_rate = if args.json { None } else { Some(profile::copy_rate(&session.device)?) };
     progress.finish_and_clear();
+    if let Some(reason) = hindrance {
+        console.note(format_args!("--steady: the frames wait for their counts, because {reason}"));
+    }
     if !moves {
         (profile.facts.fragments, profile.facts.max_list) = counted_facts;
         profile.list_histogram = histogram;

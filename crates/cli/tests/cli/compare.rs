@@ -248,11 +248,21 @@ fn profiles_of_different_work_are_not_compared_unless_asked_for() {
     write("device.json", 500, 307_200, "abuffer", "another");
     write("all.json", 20, 4, "peel", "another");
     write("old.json", 500, 307_200, "", "llvmpipe");
+    let with_steady = |name: &str, steady: Value| {
+        let text = fs::read_to_string(inside(&folder, "a.json")).unwrap();
+        let mut profile: Value = serde_json::from_str(&text).unwrap();
+        profile["steady"] = steady;
+        fs::write(inside(&folder, name), profile.to_string()).unwrap();
+    };
+    with_steady("steady.json", true.into());
+    with_steady("once.json", Value::Null);
+    with_steady("a.json", false.into());
     for (other, says) in [
         ("points.json", "points 500 and 20;"),
         ("pixels.json", "pixels 307200 and 1228800;"),
         ("method.json", "method abuffer and linked-list;"),
         ("device.json", "device llvmpipe and another;"),
+        ("steady.json", "steady false and true;"),
         ("all.json", "points 500 and 20, pixels 307200 and 4, method abuffer and peel, device llvmpipe and another;"),
     ] {
         for more in [&[][..], &["--json"], &["--fail-above", "frame=9"]] {
@@ -263,7 +273,7 @@ fn profiles_of_different_work_are_not_compared_unless_asked_for() {
         let (status, stdout, stderr) = run(&folder, &["compare", "a.json", other, "--anyway"]);
         assert!(status == 0 && stdout.contains("frame") && stderr.is_empty(), "{stderr}");
     }
-    for other in ["same.json", "old.json"] {
+    for other in ["same.json", "old.json", "once.json"] {
         assert_eq!(run(&folder, &["compare", "a.json", other]).0, 0, "{other}");
     }
 }

@@ -76,7 +76,10 @@ fn no_more_points_are_drawn_than_allowed_of_any_kind_of_cloud() {
     // Clouds without levels: a table, one that the program makes, Gaussians, and the pixels of a picture.
     done(&folder, &["render", "sphere.xyz", "-o", "photo.png", "--size", "80x60"]);
     let garden = builtin(&folder, "garden", &["points=3000"]);
-    for cloud in ["sphere.xyz", &garden, &splats, "photo.png", "sphere/"] {
+    for (from, to) in [("tests/data/lidar/sample_c_2k.las", "a.las"), ("fuzz/corpus/copc/format-7", "a.copc.laz")] {
+        fs::copy(pellucid_testing::root().join(from), inside(&folder, to)).unwrap();
+    }
+    for cloud in ["sphere.xyz", &garden, &splats, "photo.png", "a.las", "a.copc.laz", "sphere/"] {
         for most in [1u64, 7, 100, 2500] {
             let limit = most.to_string();
             let fixed = ["profile", cloud, "--json", "--frames", "1", "--size", "64x48", "--set", "shading.model=none"];

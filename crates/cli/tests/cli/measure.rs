@@ -22,7 +22,7 @@ fn read(folder: &TempDir, name: &str) -> Value {
 /// Asserts the shape of a profile and what must hold between its figures.
 #[track_caller]
 fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
-    assert_eq!(keys(profile), ["version", "device", "method", "scene", "memory", "host", "frames"]);
+    assert_eq!(keys(profile), ["version", "device", "method", "steady", "scene", "memory", "host", "frames"]);
     assert_eq!(profile["version"], 1);
     let device = &profile["device"];
     assert_eq!(keys(device), ["name", "driver", "timestamp_period_ns"]);
@@ -64,8 +64,13 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
 
     let list = profile["frames"].as_array().unwrap();
     assert_eq!(list.len(), frames);
+    let is_measured = profile["steady"].is_boolean();
     for frame in list {
-        assert_eq!(keys(frame), ["gpu_ms", "wall_ms", "waits", "passes"]);
+        assert_eq!(keys(frame), ["gpu_ms", "total_ms", "wall_ms", "waits", "passes"]);
+        // A picture that is rendered once is not measured apart.
+        let total = frame["total_ms"].as_f64();
+        assert_eq!((total.is_some(), frame["total_ms"].is_null()), (is_measured, !is_measured), "{frame}");
+        assert!(total.is_none_or(|total| total > 0.0 && total.is_finite()), "{frame}");
         assert!(frame["waits"].as_u64().unwrap() >= 1, "the host waits for the picture at least");
         let mut sum = 0.0;
         for pass in frame["passes"].as_array().unwrap() {
@@ -99,6 +104,67 @@ fn profiles_have_the_documented_shape() {
     assert_eq!(rendered["host"].as_array().unwrap().last().unwrap()["name"], "write");
     assert_eq!(rendered["scene"], printed["scene"]);
     assert_trace(&read(&folder, "trace.json"), &rendered);
+}
+
+/// The waits of each frame of a profile.
+fn waits(profile: &Value) -> Vec<u64> {
+    profile["frames"].as_array().unwrap().iter().map(|frame| frame["waits"].as_u64().unwrap()).collect()
+}
+
+#[test]
+fn steady_frames_wait_once_and_others_for_each_count() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let moving = ["--turntable", "--frames", "4"];
+    for (method, more) in [("abuffer", &["--frames", "3"][..]), ("peel", &["--frames", "3"]), ("abuffer", &moving)] {
+        let fixed = ["profile", &tori, "--json", "--size", "40x30", "--method", method];
+        let of = |steady: &[&str]| parsed(&done(&folder, &[&fixed[..], more, steady].concat()));
+        let (steady, waiting) = (of(&["--steady"]), of(&[]));
+        assert_eq!([&steady["steady"], &waiting["steady"]], [true, false]);
+        assert!(waits(&steady).iter().all(|waits| *waits == 1), "{method} {more:?}: {:?}", waits(&steady));
+        // All of them, and not only the first ones.
+        let [least, most] = [waits(&waiting).into_iter().min(), waits(&waiting).into_iter().max()];
+        assert!(least > Some(1), "{method} {more:?}: {:?}", waits(&waiting));
+        assert!(more == moving || least == most, "{method}: {:?}", waits(&waiting));
+        for profile in [&steady, &waiting] {
+            let frames = profile["frames"].as_array().unwrap();
+            assert!(frames.iter().all(|frame| frame["total_ms"].as_f64().is_some_and(|ms| ms > 0.0 && ms.is_finite())));
+        }
+        // The lists are counted in either case.
+        assert_eq!(steady["scene"]["fragments"], waiting["scene"]["fragments"]);
+        assert!(steady["scene"]["fragments"].as_u64() > Some(0));
+        for (name, profile) in [("steady.json", &steady), ("waiting.json", &waiting)] {
+            fs::write(inside(&folder, name), profile.to_string()).unwrap();
+        }
+        let (status, _, stderr) = run(&folder, &["compare", "steady.json", "waiting.json"]);
+        assert!(status == 1 && stderr.contains("different things: steady true and false;"), "{stderr}");
+    }
+}
+
+#[test]
+fn steady_frames_that_must_wait_say_why() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let lines: String = (0..5000).map(|i| format!("{} {} {}\n", i % 100, i / 100, i % 7)).collect();
+    fs::write(inside(&folder, "a.xyz"), lines).unwrap();
+    done(&folder, &["prepare", "a.xyz", "-o", "a/", "--node-points", "1000"]);
+    let profile = ["profile", "--json", "--size", "40x30", "--method", "abuffer", "--frames", "2", "--steady"];
+    let of = |more: &[&str]| {
+        let (status, json, stderr) = run(&folder, &[&profile[..], more].concat());
+        assert_eq!(status, 0, "{stderr}");
+        (waits(&parsed(&json)), parsed(&json)["frames"][1]["total_ms"].as_f64(), stderr)
+    };
+    let (counted, total, stderr) = of(&["a/", "--detail", "1"]);
+    assert!(counted.iter().all(|waits| *waits > 1) && total > Some(0.0), "{counted:?} {total:?}");
+    assert!(stderr.contains("--steady: the frames wait for their counts, because their points come"), "{stderr}");
+    let (counted, _, stderr) = of(&[&tori]);
+    assert!(counted == [1, 1] && !stderr.contains("--steady"), "{counted:?}: {stderr}");
 }
 
 /// The line of standard error that begins with a word, cut into its parts: names with milliseconds.
@@ -178,6 +244,8 @@ fn assert_trace(trace: &Value, profile: &Value) {
             passes.push(event);
         }
     }
+    let starts: Vec<f64> = events.iter().filter_map(|event| event["ts"].as_f64()).collect();
+    assert!(starts.is_sorted() && starts.len() > passes.len(), "events in the order of their starts: {starts:?}");
     // Both are sums of nanoseconds in microseconds.
     assert!(passes.windows(2).all(|pair| end(pair[0]) <= pair[1]["ts"].as_f64().unwrap() + 1e-3), "one after another");
     for pass in profile["frames"][0]["passes"].as_array().unwrap() {

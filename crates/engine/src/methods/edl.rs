@@ -132,7 +132,7 @@ impl EyeDomeLighting {
         self.factors.reserve(device, count)?;
         self.factors_host.reserve(device, count)?;
         self.depths_host.get_mut().write(depths);
-        let mut recorder = device.recorder()?;
+        let mut recorder = timeline.recorder(device)?;
         recorder.copy("shading/depths", self.depths_host.get().slice(0, seen), self.depths.get().slice(0, seen))?;
         let (depths, factors) = (self.depths.get().slice(0, seen), self.factors.get().slice(0, count));
         recorder.run(&EyeDome { depths, factors }, push, &Run::new(Dispatch::Invocations(count)))?;

@@ -28,6 +28,9 @@ pub struct FrameProfile {
     pub timeline: Vec<(PassTime, Duration)>,
     /// Time from the first submission to the end of the last one's wait, without the host's work between them.
     pub submitted: Duration,
+    /// Device time of the submissions, each from its beginning to its end; `None` unless it was asked for
+    /// ([`Renderer::render_whole`](super::Renderer::render_whole)).
+    pub total: Option<Duration>,
     /// Time from the first submission to the end of the last read-back.
     pub wall: Duration,
     /// Number of submissions that the host waited for.

@@ -14,7 +14,7 @@ pub(crate) use crate::camera::{Camera, Projection};
 pub(crate) use crate::choices::Choices;
 pub(crate) use crate::gpu::shader::Shader;
 pub(crate) use crate::gpu::{
-    Buffer, Device, DeviceInfo, Dispatch, Expected, Memory, Recorder, Run, Scratch, Slice, Variant,
+    Buffer, Device, DeviceInfo, Dispatch, Expected, Memory, Recorder, Run, Scratch, Slice, Stamps, Variant,
 };
 pub(crate) use crate::image::Image;
 pub(crate) use crate::passes::bands::{self, Band, Budget, Window};

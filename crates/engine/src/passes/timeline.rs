@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::Error;
 use super::foresight::{Answer, AnswerPlace, Foresight, Knowledge};
-use crate::gpu::{Device, PassTime, Paused, Recorder, Slice, Submitted};
+use crate::gpu::{Device, PassTime, Paused, Recorder, Slice, Stamps, Submitted};
 use crate::progress::Progress;
 
 /// Submits the work of a frame, and collects its times.
@@ -17,8 +17,10 @@ pub struct Timeline {
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
-    /// `true` if passes are timed.
-    pub timed: bool,
+    /// Device time of the submissions together, each from its beginning to its end; `None` unless `stamps` are there.
+    pub whole: Option<Duration>,
+    /// Places at which the device notes the time.
+    pub stamps: Stamps,
     /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
     /// Commands that were recorded so far, where nobody waits for them.
@@ -36,15 +38,24 @@ impl Timeline {
         // An earlier frame may have ended in the middle of a window.
         foresight.begin(true);
         let (passes, submitted) = (Vec::new(), Duration::ZERO);
-        Self { progress: progress.clone(), start: None, passes, submitted, timed: true, foresight, paused: None }
+        let stamps = Stamps::Passes;
+        Self {
+            progress: progress.clone(),
+            start: None,
+            passes,
+            submitted,
+            whole: None,
+            stamps,
+            foresight,
+            paused: None,
+        }
     }
 
     /// Begins a recording, or goes on with one that nobody waited for.
     pub fn recorder<'a>(&mut self, device: &'a Device) -> Result<Recorder<'a>, Error> {
         Ok(match self.paused.take() {
             Some(paused) => paused.resume(),
-            None if self.timed => device.recorder()?,
-            None => device.plain_recorder()?,
+            None => device.recorder_with(self.stamps)?,
         })
     }
 
@@ -121,5 +132,8 @@ impl Timeline {
             start += gpu;
         }
         self.submitted += submission.wall;
+        if let Some(whole) = submission.whole {
+            self.whole = Some(self.whole.unwrap_or_default() + whole);
+        }
     }
 }

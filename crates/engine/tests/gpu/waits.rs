@@ -48,6 +48,28 @@ fn a_steady_frame_waits_once() {
     });
 }
 
+#[test]
+fn a_frame_timed_as_a_whole_has_the_bytes_of_others_and_one_time() {
+    with_device(|device| {
+        for method in Method::all() {
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            let mut cloud = renderer.upload(&arranged(&method)).expect("fits");
+            let mut frame = frame(perspective(), [64, 48], method);
+            frame.shading.edl.edl = method.name() == "circles";
+            let name = method.name();
+            // The first frame casts and compiles; the last ones wait once.
+            for number in 0..4 {
+                let usual = renderer.render(&mut cloud, &frame).expect("renders");
+                let whole = renderer.render_whole(&mut cloud, &frame).expect("renders");
+                assert_eq!(bytes(&whole), bytes(&usual), "{name}, {number}");
+                assert!(whole.profile.passes.is_empty() && !usual.profile.passes.is_empty(), "{name}, {number}");
+                assert_eq!(usual.profile.total, None, "{name}");
+                assert!(whole.profile.total.is_some_and(|total| !total.is_zero()), "{name}, {number}");
+            }
+        }
+    });
+}
+
 /// The numbers that do not depend on how large buffers are and how work is cut.
 fn counted(facts: &Facts) -> Facts {
     Facts { peak_device_bytes: 0, tile_cells: 0, ..facts.clone() }

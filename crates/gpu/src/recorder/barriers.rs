@@ -6,7 +6,7 @@
 
 use ash::vk;
 
-use super::Recorder;
+use super::{Recorder, Stamps};
 use crate::RawSlice;
 use crate::barriers::full_barrier;
 
@@ -44,7 +44,7 @@ impl Recorder<'_> {
     /// A barrier before a command with these accesses, if it takes one.
     pub(super) fn barrier_before(&mut self, touches: &[Touch]) {
         let meets = |touch: &Touch| self.touched.all.iter().any(|earlier| earlier.meets(touch));
-        if self.stamped || self.touched.more || touches.iter().any(meets) {
+        if self.stamps == Stamps::Passes || self.touched.more || touches.iter().any(meets) {
             full_barrier(&self.context, self.commands);
             self.touched = Touched::default();
         }

@@ -13,7 +13,7 @@ mod times;
 
 pub use dispatch::Dispatch;
 pub use draw::{Draw, Targets, Vertices};
-pub use times::PassTime;
+pub use times::{PassTime, Stamps};
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -67,6 +67,8 @@ pub struct Submitted {
     pub begin: Instant,
     /// Time from the submission to the end of waiting for it.
     pub wall: Duration,
+    /// Device time from its beginning to its end; `None` where that was not to be found ([`Stamps::Ends`]).
+    pub whole: Option<Duration>,
 }
 
 /// One command buffer in the making.
@@ -86,8 +88,7 @@ pub struct Recorder<'a> {
     agreements: Vec<Agreement>,
     /// True where the device may leave commands out.
     conditional: bool,
-    /// `true` if passes are timed and counted.
-    stamped: bool,
+    stamps: Stamps,
     touched: Touched,
     /// There once the recording was interrupted.
     pub(super) held: Option<DeletionHold>,
@@ -95,9 +96,9 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    pub(super) fn new(context: &Arc<Context>, stamped: bool) -> Result<Self, Error> {
+    pub(super) fn new(context: &Arc<Context>, stamps: Stamps) -> Result<Self, Error> {
         let commands = context.take_commands()?;
-        let recorder = Self {
+        let mut recorder = Self {
             context: context.clone(),
             commands: commands.buffer,
             taken: commands,
@@ -110,7 +111,7 @@ impl<'a> Recorder<'a> {
             guards: Guards::default(),
             agreements: Vec::new(),
             conditional: false,
-            stamped,
+            stamps,
             touched: Touched::default(),
             held: None,
             buffers: PhantomData,
@@ -119,6 +120,9 @@ impl<'a> Recorder<'a> {
         // SAFETY: a command buffer that is fresh or was reset.
         unsafe { context.device.begin_command_buffer(recorder.commands, &begin) }
             .map_err(Error::call("vkBeginCommandBuffer"))?;
+        if stamps == Stamps::Ends {
+            recorder.begin_whole()?;
+        }
         Ok(recorder)
     }
 
@@ -300,6 +304,7 @@ impl<'a> Recorder<'a> {
     /// Ends, submits, waits, and reads the times. `name` says in errors what was submitted.
     pub fn submit(mut self, name: &str) -> Result<Submitted, Error> {
         self.end_condition();
+        self.end_whole();
         let context = self.context.clone();
         let allowed = |left: u64| if left == u64::MAX { Some(left) } else { left.checked_sub(1) };
         if context.allowed.fetch_update(Ordering::Relaxed, Ordering::Relaxed, allowed).is_err() {
@@ -338,7 +343,7 @@ impl<'a> Recorder<'a> {
         };
         self.guards.check(&context)?;
         self.agreements.iter().try_for_each(Agreement::check)?;
-        Ok(Submitted { passes: self.read_times()?, begin, wall })
+        Ok(Submitted { passes: self.read_times()?, begin, wall, whole: self.read_whole()? })
     }
 }
 

@@ -23,6 +23,18 @@ pub struct PassTime {
     pub invocations: Option<u64>,
 }
 
+/// Places at which a recorder writes timestamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Stamps {
+    /// Nowhere.
+    #[default]
+    None,
+    /// At the beginning and the end of what is submitted: without barriers between passes that need none.
+    Ends,
+    /// At both ends of each pass, which are separated by barriers, and whose invocations are counted.
+    Passes,
+}
+
 pub(super) struct Queries {
     pub(super) stamps: vk::QueryPool,
     pub(super) statistics: Option<vk::QueryPool>,
@@ -31,7 +43,8 @@ pub(super) struct Queries {
 impl Recorder<'_> {
     pub(super) fn begin_pass(&mut self, name: &'static str, counted: bool, touches: &[Touch]) -> Result<(), Error> {
         let index = self.passes.len() as u32 % QUERY_PASSES;
-        if self.stamped {
+        let is_stamped = self.stamps == Stamps::Passes;
+        if is_stamped {
             if index == 0 {
                 let queries = self.new_queries()?;
                 self.queries.push(queries);
@@ -45,7 +58,7 @@ impl Recorder<'_> {
             // SAFETY: the extension is enabled, the command buffer is recording.
             unsafe { debug.cmd_begin_debug_utils_label(self.commands, &label) };
         }
-        if !self.stamped {
+        if !is_stamped {
             return Ok(());
         }
         self.stamp(2 * index);
@@ -86,15 +99,57 @@ impl Recorder<'_> {
         }
     }
 
-    fn new_queries(&self) -> Result<Queries, Error> {
+    /// Writes the first of two timestamps around what is submitted.
+    pub(super) fn begin_whole(&mut self) -> Result<(), Error> {
+        let stamps = self.new_stamps(2)?;
+        self.queries.push(Queries { stamps, statistics: None });
+        self.stamp(0);
+        Ok(())
+    }
+
+    /// Writes the second of them.
+    pub(super) fn end_whole(&self) {
+        if self.stamps == Stamps::Ends {
+            self.stamp(1);
+        }
+    }
+
+    /// Returns the time between them, once all was submitted and waited for; `None` where there are none.
+    pub(super) fn read_whole(&self) -> Result<Option<Duration>, Error> {
+        let Some(queries) = self.queries.first().filter(|_| self.stamps == Stamps::Ends) else { return Ok(None) };
+        let mut stamps = [0u64; 2];
+        // SAFETY: the submission has finished, so both stamps are available.
+        unsafe {
+            let device = &self.context.device;
+            device.get_query_pool_results(queries.stamps, 0, &mut stamps, vk::QueryResultFlags::TYPE_64)
+        }
+        .map_err(Error::call("vkGetQueryPoolResults"))?;
+        Ok(Some(self.duration(stamps)))
+    }
+
+    /// The time between two timestamps.
+    fn duration(&self, [begin, end]: [u64; 2]) -> Duration {
+        let ticks = end.saturating_sub(begin) as f64;
+        Duration::from_nanos((ticks * self.context.info.timestamp_period_ns) as u64)
+    }
+
+    /// A pool of timestamps, which is destroyed in drop once it is among the queries.
+    fn new_stamps(&self, count: u32) -> Result<vk::QueryPool, Error> {
         let device = &self.context.device;
-        let stamp_info =
-            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * QUERY_PASSES);
+        let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
+        // SAFETY: a live device with host query reset.
+        unsafe {
+            let stamps = device.create_query_pool(&info, None).map_err(Error::call("vkCreateQueryPool"))?;
+            device.reset_query_pool(stamps, 0, count);
+            Ok(stamps)
+        }
+    }
+
+    fn new_queries(&self) -> Result<Queries, Error> {
+        let mut queries = Queries { stamps: self.new_stamps(2 * QUERY_PASSES)?, statistics: None };
+        let device = &self.context.device;
         // SAFETY: a live device with host query reset; the pools are destroyed in drop.
         unsafe {
-            let stamps = device.create_query_pool(&stamp_info, None).map_err(Error::call("vkCreateQueryPool"))?;
-            device.reset_query_pool(stamps, 0, 2 * QUERY_PASSES);
-            let mut queries = Queries { stamps, statistics: None };
             if self.context.info.pipeline_statistics {
                 let info = vk::QueryPoolCreateInfo::default()
                     .query_type(vk::QueryType::PIPELINE_STATISTICS)
@@ -128,8 +183,7 @@ impl Recorder<'_> {
             }
             .map_err(Error::call("vkGetQueryPoolResults"))?;
             for (i, (name, counted)) in chunk.iter().enumerate() {
-                let ticks = stamps[2 * i + 1].saturating_sub(stamps[2 * i]);
-                let gpu = Duration::from_nanos((ticks as f64 * self.context.info.timestamp_period_ns) as u64);
+                let gpu = self.duration([stamps[2 * i], stamps[2 * i + 1]]);
                 let invocations = match queries.statistics {
                     Some(pool) if *counted => self.read_statistics(pool, i as u32)?,
                     _ => None,

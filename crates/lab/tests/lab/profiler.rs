@@ -24,6 +24,7 @@ fn by_hand() -> Profile {
         timestamp_period_ns: 0.5,
         method: "peel",
         pixels: 12,
+        steady: Some(true),
         read: Reads { nodes: 3, bytes: 700 },
         peak_host_bytes: Some(1 << 21),
         facts: Facts {
@@ -51,6 +52,7 @@ fn by_hand() -> Profile {
                 begin: origin + ms(7),
                 timeline: vec![run("x/a", 1, 0), run("x/b", 2, 1), run("x/b", 3, 4)],
                 submitted: ms(8),
+                total: Some(ms(4)),
                 wall: ms(10),
                 waits: 3,
             },
@@ -59,6 +61,7 @@ fn by_hand() -> Profile {
                 begin: origin + ms(18),
                 timeline: vec![run("x/a", 3, 0), run("x/b", 7, 3)],
                 submitted: ms(12),
+                total: None,
                 wall: ms(20),
                 waits: 1,
             },
@@ -73,6 +76,7 @@ fn the_json_is_the_documented_one() {
         "version": 1,
         "device": { "name": "a device", "driver": "a driver", "timestamp_period_ns": 0.5 },
         "method": "peel",
+        "steady": true,
         "scene": { "points": 5, "pixels": 12, "fragments": 30, "max_list": 4, "list_histogram": [[0, 4], [3, 2], [4, 6]],
                    "nodes_read": 3, "bytes_read": 700 },
         "memory": { "peak_device_bytes": 1_048_576, "peak_host_bytes": 2_097_152, "fragment_bytes": 240, "bands": 2 },
@@ -83,9 +87,9 @@ fn the_json_is_the_documented_one() {
             { "name": "write", "ms": 1.0 },
         ],
         "frames": [
-            { "gpu_ms": 6.0, "wall_ms": 10.0, "waits": 3,
+            { "gpu_ms": 6.0, "total_ms": 4.0, "wall_ms": 10.0, "waits": 3,
               "passes": [pass("x/a", 1.0, None, None), pass("x/b", 5.0, Some(128), Some(1_048_576))] },
-            { "gpu_ms": 10.0, "wall_ms": 20.0, "waits": 1,
+            { "gpu_ms": 10.0, "total_ms": null, "wall_ms": 20.0, "waits": 1,
               "passes": [pass("x/a", 3.0, None, None), pass("x/b", 7.0, Some(128), Some(1_048_576))] },
         ],
     });
@@ -154,6 +158,8 @@ fn the_table_has_least_median_and_greatest_times_and_rates() {
     for part in [
         "passes 8.00 ms of 10.00 ms submitted (80.0%)",
         "read-back 15.00 ms",
+        // Of the frame that was measured so, and of 3 and 1 waits.
+        "without timestamps between passes: 4.00 ms on the device; 2 wait(s) a frame",
         "2 frame(s)",
         "12 pixels",
         "host: read 5.0 ms",

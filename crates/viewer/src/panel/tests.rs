@@ -65,7 +65,7 @@ fn show_picture(model: &mut Model) {
             draft: String::new(),
             accuracy: History::default().accuracy(None),
             method: "soft-concentric",
-            profile: FrameProfile { passes, begin, timeline, submitted: wall, wall, waits: 1 },
+            profile: FrameProfile { passes, begin, timeline, submitted: wall, total: None, wall, waits: 1 },
             facts: Facts { points: 234_567, ..Facts::default() },
             plan: Vec::new(),
             field,
@@ -163,4 +163,31 @@ fn everything_in_the_panel_has_room() {
         }
     }
     assert!(found.is_empty(), "{found:#?}");
+}
+
+/// An explanation below a slider would hide the next row while the slider is dragged.
+#[test]
+fn controls_are_explained_at_rest_and_not_while_they_are_dragged() {
+    let (ctx, mut model) = (Context::default(), model(1, false));
+    ui::style(&ctx);
+    ctx.all_styles_mut(|style| {
+        style.interaction.tooltip_delay = 0.0;
+        style.interaction.show_tooltips_only_when_still = false;
+    });
+    model.set_method("circles");
+    frame(&ctx, &mut model, vec![]);
+    show_picture(&mut model);
+    frame(&ctx, &mut model, vec![]);
+    let [left, top, _, height] = model.controls["method.size"];
+    let pos = pos2((left + height) as f32, (top + height / 2) as f32);
+    let is_explained = |model: &mut Model, events: Vec<Event>| {
+        frame(&ctx, model, events);
+        let shapes = (0..3).map(|_| frame(&ctx, model, vec![])).last().unwrap();
+        texts(&shapes).iter().any(|(_, text)| text.galley.text() == crate::hints::hint("method.size"))
+    };
+    assert!(is_explained(&mut model, vec![Event::PointerMoved(pos)]), "at rest");
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    let pressed = |pressed| Event::PointerButton { pos, button, pressed, modifiers };
+    assert!(!is_explained(&mut model, vec![pressed(true)]), "pressed");
+    assert!(!is_explained(&mut model, vec![Event::PointerMoved(pos2(pos.x + 3.0, pos.y))]), "dragged");
 }

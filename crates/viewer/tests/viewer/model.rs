@@ -69,6 +69,7 @@ fn picture(request: &Request, whole: bool) -> News {
             begin: Instant::now(),
             timeline: Vec::new(),
             submitted: wall,
+            total: None,
             wall,
             waits: 1,
         },

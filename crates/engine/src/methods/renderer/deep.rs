@@ -51,7 +51,7 @@ impl Renderer {
         self.disown_colors();
         self.device.reset_peak();
         let mut timeline = Timeline::new(&self.progress);
-        timeline.timed = false;
+        timeline.stamps = Stamps::None;
         self.cast_shadows(&engine, cloud, frame, &mut timeline)?;
         let budget = self.budget(&engine, cloud, frame);
         let windows = engine.windows(frame, budget)?;

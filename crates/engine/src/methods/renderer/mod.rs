@@ -137,10 +137,22 @@ impl Renderer {
         self.with_timeline(|renderer, timeline| renderer.render_by(cloud, frame, timeline))
     }
 
+    /// Renders a frame like [`Self::render`], and finds its device time as a whole ([`FrameProfile::total`]) and not
+    /// that of its passes, which timestamps between them would keep apart.
+    ///
+    /// # Errors
+    /// The errors of [`Self::render`].
+    pub fn render_whole(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
+        self.with_timeline(|renderer, timeline| {
+            timeline.stamps = Stamps::Ends;
+            renderer.render_by(cloud, frame, timeline)
+        })
+    }
+
     /// Does work whose submissions are timed, with what is known of earlier frames.
     fn with_timeline<T>(&mut self, work: impl FnOnce(&mut Self, &mut Timeline) -> T) -> T {
         let mut timeline = Timeline::with(&self.progress, std::mem::take(&mut self.foresight));
-        timeline.timed = self.timed;
+        timeline.stamps = if self.timed { Stamps::Passes } else { Stamps::None };
         let done = work(self, &mut timeline);
         self.submitted = timeline.submitted;
         self.foresight = timeline.foresight;
@@ -158,7 +170,7 @@ impl Renderer {
         let engine = engine.as_ref();
         self.check_memory(engine, frame)?;
         let begun = self.begin(engine, cloud, frame, timeline, false)?;
-        let mut image = self.begin_image(engine, frame);
+        let mut image = self.begin_image(engine, frame)?;
         let learns = self.learns(frame, cloud, &begun.windows, timeline);
         let job = Job { learns, ..Job::new(engine, frame, begun.budget) };
         let mut facts = match (engine.samples(frame), frame.max_error) {
@@ -231,10 +243,12 @@ impl Renderer {
     }
 
     /// Returns an image to draw into, and decides if its colors come to the host.
-    fn begin_image(&mut self, engine: &dyn Engine, frame: &Frame) -> Image {
+    fn begin_image(&mut self, engine: &dyn Engine, frame: &Frame) -> Result<Image, Error> {
+        // Buffers of a driver for CPUs have taken some of the host's memory meanwhile.
+        self.check_memory(engine, frame)?;
         self.target.keeps_colors =
             !self.host_colors && !frame.shading.edl.edl && !frame.depths && !brightness::is_applied(&frame.method);
-        blank(self.spare.take(), engine, frame)
+        Ok(blank(self.spare.take(), engine, frame))
     }
 
     /// Refuses an image that the host's memory can't hold.
@@ -273,7 +287,7 @@ impl Renderer {
         let (submitted, runs) = (timeline.submitted, std::mem::take(&mut timeline.passes));
         let passes = aggregate(|pass| engine.least_bytes(pass), &runs, facts, (frame, image), cloud);
         let waits = self.device.waits() - begun.waits;
-        FrameProfile { passes, begin, timeline: runs, submitted, wall, waits }
+        FrameProfile { passes, begin, timeline: runs, submitted, total: timeline.whole, wall, waits }
     }
 
     /// Returns the windows of a frame, as far as they lie in the region.
@@ -342,6 +356,22 @@ impl Renderer {
             self.kind = Some(kind);
         }
         windows.len() == 1 && self.device.info().conditional && cloud.supply().is_none()
+    }
+
+    /// Returns the reason why frames like this one, which was rendered last, wait for their counts, a phrase; `None` if
+    /// nothing keeps them from being foreseen.
+    pub fn hindrance(&self, cloud: &DeviceCloud, rendered: &Rendered) -> Option<&'static str> {
+        if cloud.supply().is_some() {
+            Some("their points come to the device part by part")
+        } else if !self.device.info().conditional {
+            Some("the device can't leave commands out (VK_EXT_conditional_rendering)")
+        } else if rendered.facts.windows > 1 || rendered.facts.bands > 1 {
+            Some("the device's memory holds only a part of the picture's fragments at a time")
+        } else if rendered.profile.submitted > LONGEST {
+            Some("they take longer than a second")
+        } else {
+            None
+        }
     }
 
     /// Returns `true` if the budget and a binding allow sorting all of a cloud's splats.
