@@ -107,9 +107,10 @@ fn read<S: Store>(path: &Path, store: Result<S, Error>) {
             Ok(piece) => {
                 let found = piece.cloud.len() as u64;
                 assert_eq!(piece.places.len() as u64, found);
-                // Splats that are none are left out.
-                let may_lack = piece.cloud.gaussians.is_some() && found < node.points;
-                assert!(may_lack || found == node.points);
+                // Points that are withheld are left out and counted, splats that are none are left out.
+                let told = found + piece.cloud.withheld as u64;
+                let may_lack = piece.cloud.gaussians.is_some() && told < node.points;
+                assert!(may_lack || told == node.points);
                 if found > 0 {
                     check(&piece.cloud);
                 }
