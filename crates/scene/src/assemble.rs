@@ -140,10 +140,10 @@ pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fiel
 /// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to
 /// be. Colors stay linear, whatever the scene's color space; clouds without `color` are colored by `color_by`. Points
 /// that a class hides or a clip cuts off are set apart ([`Points::unseen`]) once everything is computed. A radius is
-/// the class's, else the scene's, else the file's times `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times
-/// `scale`, else 0; `radius_factor` multiplies all of them. F is included if the method needs it. Neighbors and fields
-/// are computed in the cloud's own coordinates, before `scale` and `translate` round them, because a prepared file
-/// stores those values.
+/// that of the class, else of the cloud's settings, else the file's times `scale`, else, only if `needs_radii`, that of
+/// Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of them. F is included if the method
+/// needs it. Neighbors and fields are computed in the cloud's own coordinates, before `scale` and `translate` round
+/// them, because a prepared file stores those values.
 ///
 /// # Errors
 /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.

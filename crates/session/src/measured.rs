@@ -12,8 +12,8 @@ const TRIES: usize = 4;
 /// Renders frames of a session to measure them.
 #[derive(Debug, Clone, Copy)]
 pub struct Measuring {
-    /// `true` for frames whose counts are foreseen, as those of a window or a film; `false` for frames of which each
-    /// waits for its own counts.
+    /// `true` for frames whose counts are foreseen, as those of a window or a film; `false` for frames that each wait
+    /// for their own counts.
     pub steady: bool,
     /// `true` once a frame waited for its counts whatever was done.
     waits: bool,
@@ -25,7 +25,7 @@ impl Measuring {
         Self { steady, waits: false }
     }
 
-    /// Renders the session's frame twice: for the times of its passes, and then for that of the whole frame. Returns the
+    /// Renders the session's frame twice: for the times of its passes, then for that of the whole frame. Returns the
     /// first with both; of its image only the lengths of lists are left, the rest is the renderer's again.
     ///
     /// # Errors

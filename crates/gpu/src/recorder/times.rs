@@ -29,9 +29,9 @@ pub enum Stamps {
     /// Nowhere.
     #[default]
     None,
-    /// At the beginning and the end of what is submitted: without barriers between passes that need none.
+    /// Beginning and end of what is submitted, without barriers between passes that need none.
     Ends,
-    /// At both ends of each pass, which are separated by barriers, and whose invocations are counted.
+    /// Both ends of each pass; barriers separate the passes, and their invocations are counted.
     Passes,
 }
 
