@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from . import _arrays
-from ._types import Size
+from ._types import Path, Size
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -99,6 +100,17 @@ class Camera:
     ) -> Camera:
         """Return an orthographic camera; ``height`` is the height of the image in world units."""
         return cls(*_pose(eye, target, up), height=height, near=near, far=far)
+
+    @classmethod
+    def from_picture(cls, path: Path) -> Camera:
+        """Return the camera with which a picture was rendered, from the metadata of its PNG or EXR.
+
+        Rendered through it, the same scene at the same size has the same pixels. Raises SceneError for a picture without a
+        camera, and OSError for a file that is none.
+        """
+        from . import _pellucid
+
+        return cls._of(_pellucid.picture_camera(os.fspath(path)))
 
     @classmethod
     def from_opencv(

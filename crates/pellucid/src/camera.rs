@@ -1,7 +1,12 @@
 //! Camera of a picture.
 
+use std::path::Path;
+
 use glam::DVec3;
-use pellucid_scene::CameraSettings;
+use pellucid_scene::{CameraSettings, PictureCamera};
+
+use crate::Result;
+use crate::error::of_engine;
 
 /// Camera in world units. The world is right-handed, and +Y of the camera points to the top of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +20,15 @@ impl Camera {
     pub fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Self {
         let [eye, target, up] = [eye, target, up].map(|v| Some(DVec3::from_array(v)));
         Self(CameraSettings { eye, target, up, ..CameraSettings::default() })
+    }
+
+    /// Returns the camera with which a picture was rendered, from the metadata of its PNG or EXR. Rendered through it,
+    /// the same scene at the same size has the same pixels.
+    ///
+    /// # Errors
+    /// Returns an error if the file can't be read, is no picture, or holds no camera.
+    pub fn of_picture(path: impl AsRef<Path>) -> Result<Self> {
+        Ok(Self(PictureCamera::read(path.as_ref()).map_err(of_engine)?.camera))
     }
 
     /// Makes the view a perspective one with a full vertical angle in degrees, above 0 and below 180.

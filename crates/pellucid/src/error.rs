@@ -72,7 +72,7 @@ pub(crate) fn of_engine(error: impl Into<pellucid_engine::Error>) -> Error {
     use pellucid_engine::Error as Engine;
     let error = error.into();
     let kind = match &error {
-        Engine::Load(_) => ErrorKind::Read,
+        Engine::Load(_) | Engine::Scene(pellucid_scene::Error::Picture(_)) => ErrorKind::Read,
         Engine::Scene(_) | Engine::Path(_) => ErrorKind::Scene,
         Engine::Output(_) => ErrorKind::Write,
         Engine::Render(pellucid_engine::methods::Error::Cancelled) => ErrorKind::Cancelled,

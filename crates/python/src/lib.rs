@@ -45,7 +45,7 @@ mod _pellucid {
     #[pymodule_export]
     use super::loaded::Loaded;
     #[pymodule_export]
-    use super::picture::Picture;
+    use super::picture::{Picture, picture_camera};
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]

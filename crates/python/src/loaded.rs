@@ -98,7 +98,7 @@ impl Loaded {
 
     /// Return the camera of the last frame, or of the scene; see [`Picture`].
     fn camera(&self, py: Python<'_>) -> PyResult<CameraNumbers> {
-        self.with(py, None, |work, _| Ok(picture::numbers(&work.session.frame.camera, distance(&work.session))))
+        self.with(py, None, |work, _| Ok(picture::numbers(&work.session.prepared.camera)))
     }
 
     fn size(&self, py: Python<'_>) -> PyResult<[u32; 2]> {
@@ -148,12 +148,6 @@ impl Loaded {
     }
 }
 
-/// Returns the distance from the eye to the middle of the scene along the view.
-fn distance(session: &Session) -> f64 {
-    let camera = &session.frame.camera;
-    session.prepared.bounds.map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward))
-}
-
 /// Renders the frame that the session is ready for.
 fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failure> {
     let (rendered, options) = session.picture(Vec::new(), talk)?;
@@ -163,8 +157,7 @@ fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failur
         size: session.frame.size,
         options,
         profile,
-        camera: session.frame.camera,
-        distance: distance(session),
+        camera: session.prepared.camera,
         method: session.frame.method.name(),
         reason: session.why.clone(),
         stderr: rendered.image.standard_error(),

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use numpy::{Element, PyArray1, PyReadonlyArray1, PyUntypedArrayMethods};
-use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::camera::StatedCamera;
 use pellucid_core::image::{Image, LinearImage};
 use pellucid_engine::methods;
 use pellucid_engine::profile::Profile;
 use pellucid_io::has_memory;
 use pellucid_io::output::{self, WriteOptions};
+use pellucid_scene::{self as scene, CameraSettings, PictureCamera};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -22,9 +23,7 @@ pub struct Picture {
     pub size: [u32; 2],
     pub options: WriteOptions,
     pub profile: Profile,
-    pub camera: Camera,
-    /// Distance from the eye to the point that the camera looks at.
-    pub distance: f64,
+    pub camera: StatedCamera,
     #[pyo3(get)]
     pub method: &'static str,
     #[pyo3(get)]
@@ -99,7 +98,7 @@ impl Picture {
 
     /// Return eye, target, up, the angle in degrees or the height, then near and far.
     fn camera(&self) -> CameraNumbers {
-        numbers(&self.camera, self.distance)
+        numbers(&self.camera)
     }
 
     fn profile(&self) -> String {
@@ -143,16 +142,23 @@ impl Picture {
 /// See [`Picture::camera`].
 pub type CameraNumbers = ([f64; 3], [f64; 3], [f64; 3], Option<f64>, Option<f64>, f64, f64);
 
-pub fn numbers(camera: &Camera, distance: f64) -> CameraNumbers {
-    let distance = if distance > 0.0 && distance.is_finite() { distance } else { 1.0 };
-    let target = camera.eye + camera.forward * distance;
-    let (fov_y, height) = match camera.projection {
-        // As the camera's own description rounds it: degrees come back to the same radians.
-        Projection::Perspective { fov_y } => (Some((fov_y.to_degrees() * 1e9).round() / 1e9), None),
-        Projection::Orthographic { height } => (None, Some(height)),
-    };
-    let [eye, target, up] = [camera.eye, target, camera.up].map(|v| v.to_array());
-    (eye, target, up, fov_y, height, camera.near, camera.far)
+pub fn numbers(camera: &StatedCamera) -> CameraNumbers {
+    let [eye, target, up] = [camera.eye, camera.target(), camera.stated_up()].map(|v| v.to_array());
+    (eye, target, up, camera.fov_y(), camera.height(), camera.near, camera.far)
+}
+
+/// Return the camera of a PNG or EXR from its metadata; see [`Picture::camera`].
+#[pyfunction]
+pub fn picture_camera(py: Python<'_>, path: PathBuf) -> PyResult<CameraNumbers> {
+    let found = work::run(py, None, move |_| {
+        PictureCamera::read(&path).map_err(|error| match error {
+            scene::Error::Picture(error) => Failure::from(error),
+            error => Failure::from(error),
+        })
+    })?;
+    let CameraSettings { eye, target, up, fov_y, height, near, far, .. } = found.camera;
+    let [eye, target, up] = [eye, target, up].map(|v| v.unwrap_or_default().to_array());
+    Ok((eye, target, up, fov_y, height, near.unwrap_or_default(), far.unwrap_or_default()))
 }
 
 impl Picture {

@@ -11,7 +11,7 @@ use super::scene::Scene;
 use super::settings::CameraSettings;
 use super::view::Vertical;
 use pellucid_core::camera::path::{Defaults, Pose, Turntable};
-use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::camera::{Camera, Projection, StatedCamera};
 use pellucid_core::cloud::UpAxis;
 use pellucid_core::points::Points;
 
@@ -41,12 +41,13 @@ impl<'a> Course<'a> {
         path_defaults(&settings, self.up)
     }
 
-    /// Returns the camera of a pose: its depths are the pose's, else those of `[camera]`, else from the scene's bounds
-    /// as [`super::camera`] finds them.
+    /// Returns the camera of a pose, with the numbers of `[camera]` that give it again: to the last bit the pose of a
+    /// key with a target, else the nearest camera that such numbers give. Its depths are the pose's, else those of
+    /// `[camera]`, else from the scene's bounds as [`super::camera`] finds them.
     ///
     /// # Errors
     /// A nearest depth that is not below the farthest, an eye too far away.
-    pub fn camera(&self, pose: &Pose) -> Result<Camera, Error> {
+    pub fn camera(&self, pose: &Pose) -> Result<StatedCamera, Error> {
         let settings = &self.scene.camera;
         let given = [pose.near.or(settings.near), pose.far.or(settings.far)];
         if let [Some(near), Some(far)] = given
@@ -56,12 +57,21 @@ impl<'a> Course<'a> {
             return Err(Error::Conflict { place: Place::Option("[camera]".into()), problem });
         }
         let bounds = &self.subject.all;
-        let (near, far) = framing::depths(given, pose.eye, pose.forward, bounds, self.subject.radius);
-        let camera = pose.camera(near, far);
-        if !framing::is_usable(&camera) {
-            return Err(Error::Extent { min: bounds.min, max: bounds.max });
+        let beyond = || Error::Extent { min: bounds.min, max: bounds.max };
+        let camera = self.stated(pose).ok_or_else(beyond)?;
+        let (near, far) = framing::depths(given, pose.eye, camera.forward, bounds, self.subject.radius);
+        Some(camera.with_depths(near, far)).filter(|camera| framing::is_usable(camera)).ok_or_else(beyond)
+    }
+
+    /// The camera of a pose with any depths.
+    fn stated(&self, pose: &Pose) -> Option<StatedCamera> {
+        let Pose { eye, right, up, forward, projection, .. } = *pose;
+        if let Some([target, up]) = pose.stated {
+            return StatedCamera::look_at(eye, target, up, projection, 1.0, 2.0);
         }
-        Ok(camera)
+        let level = framing::level_up(self.scene.camera.vertical(self.up), [right, up, forward]);
+        let distance = (self.subject.bounds.center() - eye).length();
+        StatedCamera::nearest(&pose.camera(1.0, 2.0), distance, level)
     }
 
     /// Returns the turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`,
@@ -75,7 +85,8 @@ impl<'a> Course<'a> {
     /// Returns the errors of [`super::camera`].
     pub fn turntable(&self) -> Result<(Turntable, Vec<String>), Error> {
         let settings = &framing::automatic(self.scene, self.subject.framed.points, self.up);
-        let (start, warnings) = framing::camera_of(self.scene, settings, self.subject.framed.points, self.up)?;
+        let (stated, warnings) = framing::camera_of(self.scene, settings, self.subject.framed.points, self.up)?;
+        let start = stated.camera();
         // A view asked for replaces them.
         let own = !settings.view.is_given();
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
@@ -90,6 +101,10 @@ impl<'a> Course<'a> {
             let eye =
                 if self.keeps_all(&start, center, axis) { start.eye } else { self.eye(&start, center, axis, true) };
             let mut turntable = Turntable::new(&Camera { eye, ..start }, center, axis);
+            if eye == start.eye {
+                // The first frame is the camera itself.
+                turntable.start.stated = Some([stated.target(), stated.stated_up()]);
+            }
             let back = (start.eye - eye).dot(start.forward);
             (turntable.start.near, turntable.start.far) =
                 (settings.near.map(|near| near + back), settings.far.map(|far| far + back));

@@ -90,6 +90,16 @@ pub enum Error {
     /// The polygons of a clip can't be read.
     #[error(transparent)]
     Polygon(#[from] io::Error),
+    /// A picture whose camera is wanted can't be read.
+    #[error(transparent)]
+    Picture(#[from] io::output::Error),
+    /// A picture holds no camera, or no whole one.
+    #[error(
+        "{path}: expected the camera of the picture in its metadata ({tag}), but {problem}; give a PNG or EXR that `render` \
+         wrote (pictures of version 0.2.0 have no camera, and programs that edit pictures may drop it)",
+        path = path.display(), tag = super::pictured::CAMERA_TAG
+    )]
+    NoCamera { path: PathBuf, problem: String },
     /// Coordinates beyond what the camera can be computed for.
     #[error(
         "the scene extends from {min} to {max}, too large or too far from the origin for a camera in float64; use \
@@ -111,6 +121,7 @@ impl Error {
             | Self::Polygon(_)
             | Self::Extent { .. } => 1,
             Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
+            Self::Picture(error) => error.exit_status(),
             _ => 2,
         }
     }

@@ -12,7 +12,7 @@ use super::scene::Scene;
 use super::settings::CameraSettings;
 use super::surroundings;
 use super::view::Vertical;
-use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::camera::{Camera, Projection, StatedCamera, reach};
 use pellucid_core::cloud::{Bounds, UpAxis};
 use pellucid_core::points::Points;
 
@@ -38,6 +38,16 @@ const CLEARANCE: f64 = 0.1;
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
 pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
+    let (camera, warnings) = stated_camera(scene, points, up)?;
+    Ok((camera.camera(), warnings))
+}
+
+/// Returns the camera of [`camera`] with the numbers of `[camera]` that give it again, and warnings about it. These
+/// numbers keep the vertical of the scene as well.
+///
+/// # Errors
+/// Returns the errors of [`camera`].
+pub fn stated_camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(StatedCamera, Vec<String>), Error> {
     camera_of(scene, &automatic(scene, points, up), points, up)
 }
 
@@ -55,7 +65,7 @@ pub(super) fn camera_of(
     settings: &CameraSettings,
     points: &Points,
     up: UpAxis,
-) -> Result<(Camera, Vec<String>), Error> {
+) -> Result<(StatedCamera, Vec<String>), Error> {
     let subject = subject(scene, points)?;
     let Subject { radius, .. } = subject;
     // A camera that stands where it was told to sees strays, too.
@@ -64,8 +74,8 @@ pub(super) fn camera_of(
     let settings = &with_height(settings, &subject, scene.image.size, vertical);
     let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, vertical);
     let Some(camera) = placed(settings, &pose, &bounds, radius) else {
-        let problem =
-            format!("{} is parallel to the view {}; remove it or choose another direction", pose.up, pose.forward);
+        let forward = (pose.target - pose.eye).normalize_or_zero();
+        let problem = format!("{} is parallel to the view {forward}; remove it or choose another direction", pose.up);
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
     };
     let (near, far) = (camera.near, camera.far);
@@ -90,12 +100,16 @@ pub(super) fn camera_of(
 /// scene of these `bounds` and this largest `radius`, without a look at its points. `None` if something of it is
 /// missing, if points decide its height, if `up` points along the view, or if coordinates are too large.
 pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Option<Camera> {
+    stated_camera_at(settings, bounds, radius).map(|camera| camera.camera())
+}
+
+/// Returns the camera of [`camera_at`] with the numbers of `[camera]` that give it again.
+pub fn stated_camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Option<StatedCamera> {
     if settings.ortho && settings.height.is_none() {
         return None;
     }
     let (eye, target, up) = (settings.eye?, settings.target?, settings.up?);
-    let pose = Pose { eye, forward: (target - eye).try_normalize()?, up };
-    placed(settings, &pose, bounds, radius).filter(is_usable)
+    placed(settings, &Pose { eye, target, up }, bounds, radius).filter(|camera| is_usable(camera))
 }
 
 /// Returns `true` if coordinates and depths are such that a picture can be made.
@@ -133,12 +147,11 @@ pub(super) fn projection(settings: &CameraSettings) -> Projection {
 }
 
 /// The camera of a pose; `None` if its `up` points along the view.
-fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> Option<Camera> {
-    // Axes are computed around the origin: far from it, eye + direction would be rounded.
-    let axes = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection(settings), 1.0, 2.0)?;
+fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> Option<StatedCamera> {
+    let camera = StatedCamera::look_at(pose.eye, pose.target, pose.up, projection(settings), 1.0, 2.0)?;
     // Along the camera's own direction, whose last bit may be another one: a key frame knows no other.
-    let (near, far) = depths([settings.near, settings.far], pose.eye, axes.forward, bounds, radius);
-    Some(Camera { eye: pose.eye, near, far, ..axes })
+    let (near, far) = depths([settings.near, settings.far], pose.eye, camera.forward, bounds, radius);
+    Some(camera.with_depths(near, far))
 }
 
 /// Returns settings in which `ortho` has become the `height` that shows the whole subject from the direction of view.
@@ -204,10 +217,10 @@ pub(super) struct Subject<'a> {
     pub radius: f64,
 }
 
-/// Eye and directions, `up` not yet orthogonal.
+/// Eye, target and what points to the image's top, not yet at a right angle to the view.
 struct Pose {
     eye: DVec3,
-    forward: DVec3,
+    target: DVec3,
     up: DVec3,
 }
 
@@ -220,18 +233,46 @@ impl Pose {
         vertical: Vertical,
     ) -> Self {
         let (forward, up, _) = direction(settings, subject, vertical);
-        let given = settings.view.is_given();
-        let eye = settings.eye.filter(|_| !given);
-        let target = settings.target.filter(|_| !given);
-        let eye = eye.unwrap_or_else(|| framed(subject, projection, size, forward, up, target));
-        Self { eye, forward, up }
+        let own = !settings.view.is_given();
+        let target = settings.target.filter(|_| own);
+        let given = settings.eye.filter(|_| own);
+        let eye = given.unwrap_or_else(|| framed(subject, projection, size, forward, up, target));
+        let center = subject.bounds.center();
+        // A given eye without a target looks at the middle of the scene, if it does not stand there.
+        let target = target.or_else(|| given.and_then(|eye| (center - eye).try_normalize()).map(|_| center));
+        let target = target.unwrap_or_else(|| eye + forward * reach(eye, (center - eye).dot(forward)));
+        let [right, top] = image_axes(forward, up);
+        let up = settings.up.filter(|_| own).unwrap_or_else(|| level_up(vertical, [right, top, forward]));
+        Self { eye, target, up }
     }
 }
 
+/// Returns the `up` that gives these axes of an image to the right, to the top and along the view, and from which the
+/// vertical of the scene is found again; the axis to the top if there is none.
+pub(super) fn level_up(vertical: Vertical, [right, top, forward]: [DVec3; 3]) -> DVec3 {
+    let axis = vertical.up();
+    let aside = axis.dot(right);
+    let up = if axis.dot(top) <= STRAIGHT {
+        // What lies along the view turns nothing.
+        top + 2.0 * axis.dot(forward).signum() * forward
+    } else if aside.abs() <= LEVEL {
+        axis
+    } else {
+        axis - right * aside
+    };
+    if Vertical::nearest(up) == Some(vertical) { up } else { top }
+}
+
+/// Sine of the angle between the view and the vertical below which the image's top would follow rounding rather than
+/// the scene: a thousandth of a radian.
+const STRAIGHT: f64 = 1e-3;
+
+/// Sine of the angle by which rounding may tilt a level camera.
+const LEVEL: f64 = 1e-12;
+
 /// The vertical, or, where that is along the view, the axis that a map has at its top.
 fn upright(forward: DVec3, vertical: Vertical) -> DVec3 {
-    // Within a thousandth of a radian the image's up would follow rounding rather than the scene.
-    if forward.cross(vertical.up()).length() < 1e-3 { -vertical.front() } else { vertical.up() }
+    if forward.cross(vertical.up()).length() < STRAIGHT { -vertical.front() } else { vertical.up() }
 }
 
 /// The eye from which the subject fits; the image's center shows `target` if one is given.

@@ -64,8 +64,8 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     Ok(Scene { image, camera, shading, clouds: settings, clips, method, detail, shadows, warnings, settings: json })
 }
 
-/// Settings with what a table gives.
-fn read<T: Settings + Default>(table: &Table<'_>) -> Result<T, Error> {
+/// Returns settings with what a table gives.
+pub(super) fn read<T: Settings + Default>(table: &Table<'_>) -> Result<T, Error> {
     let mut settings = T::default();
     table.refuse_unknown(&names(&settings))?;
     settings.read(table)?;

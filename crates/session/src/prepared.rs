@@ -1,7 +1,7 @@
 //! A request with its clouds read, its points arranged and its camera found: all that is known without a device.
 
 use bytesize::ByteSize;
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::StatedCamera;
 use pellucid_core::cloud::{Bounds, UpAxis};
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
@@ -60,7 +60,7 @@ impl Opened {
     /// Returns the errors of [`Self::prepare`] and of `find`.
     pub fn prepare_by(
         self,
-        find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
+        find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(StatedCamera, Vec<String>)>,
         messages: &dyn Messages,
         progress: &Progress,
     ) -> Result<Prepared> {
@@ -83,14 +83,13 @@ pub(crate) fn check(request: &Request, messages: &dyn Messages) -> Result<()> {
 fn assemble(
     request: &Request,
     sources: &mut Sources,
-    find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
+    find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(StatedCamera, Vec<String>)>,
     messages: &dyn Messages,
     progress: &Progress,
-) -> Result<(Assembled, Camera)> {
+) -> Result<(Assembled, StatedCamera)> {
     let assembled = Assembled::new(sources, &request.scene, request.wanted, messages, progress)?;
     let (camera, warnings) = find(&assembled.scene, assembled.points(), assembled.up)?;
-    let distance = |bounds: Bounds| (bounds.center() - camera.eye).dot(camera.forward);
-    messages.detail(&camera.to_toml(assembled.points().bounds().map_or(1.0, distance)));
+    messages.detail(&format_args!("[camera]\n{}", camera.to_toml().trim_end()));
     let odd = scene::odd_sizes(&assembled.scene, assembled.points());
     for warning in assembled.scene.warnings.iter().chain(&warnings).chain(&odd) {
         messages.warn(warning);
@@ -99,9 +98,14 @@ fn assemble(
 }
 
 /// Finds the camera of a scene, and says what is to be known of it.
-fn find_camera(scene: &Scene, points: &Points, up: UpAxis, messages: &dyn Messages) -> Result<(Camera, Vec<String>)> {
+fn find_camera(
+    scene: &Scene,
+    points: &Points,
+    up: UpAxis,
+    messages: &dyn Messages,
+) -> Result<(StatedCamera, Vec<String>)> {
     scene::camera_notes(scene, points, up).iter().for_each(|note| messages.note(note));
-    Ok(scene::camera(scene, points, up)?)
+    Ok(scene::stated_camera(scene, points, up)?)
 }
 
 /// A request with its points and camera.
@@ -110,8 +114,8 @@ pub struct Prepared {
     pub request: Request,
     /// The points on the host.
     pub assembled: Assembled,
-    /// The camera, given or automatic.
-    pub camera: Camera,
+    /// The camera, given or automatic: the one that pictures hold in their metadata.
+    pub camera: StatedCamera,
     /// The box of all points.
     pub bounds: Option<Bounds>,
     /// The clouds.
@@ -169,13 +173,18 @@ impl Prepared {
             max_error: request.max_error,
             spread: request.spread,
             detail: request.detail.unwrap_or(scene.detail),
-            ..Frame::of_scene(scene, self.camera, self.request.wanted.seed)
+            ..Frame::of_scene(scene, self.camera.camera(), self.request.wanted.seed)
         }
     }
 
     /// Returns the metadata of an image by a method on a device.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
         output::tags(&self.request.name, method, &self.assembled.scene.settings, device, self.request.wanted.seed)
+    }
+
+    /// Returns the metadata that holds the camera of an image.
+    pub fn camera_metadata(&self) -> (String, String) {
+        (scene::CAMERA_TAG.to_owned(), self.camera.to_toml())
     }
 
     /// Says how much was read of clouds that stay in their files.

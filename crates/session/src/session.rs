@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::StatedCamera;
 use pellucid_core::image::Image;
 use pellucid_core::points::{Changes, Points};
 use pellucid_core::progress::{Phase, Progress};
@@ -182,21 +182,27 @@ impl Session {
     }
 
     /// Returns the camera of another scene of the same points.
-    fn camera(&self, scene: &Scene, messages: &dyn Messages) -> Result<Camera> {
+    fn camera(&self, scene: &Scene, messages: &dyn Messages) -> Result<StatedCamera> {
         let known = &self.prepared.request.scene;
         if known.camera == scene.camera && known.image.size == scene.image.size {
             return Ok(self.prepared.camera);
         }
         let points = self.prepared.points();
         let given = self.prepared.bounds.filter(|_| !scene.camera.view.is_given());
-        let given = given.and_then(|bounds| scene::camera_at(&scene.camera, &bounds, points.largest_radius()));
+        let given = given.and_then(|bounds| scene::stated_camera_at(&scene.camera, &bounds, points.largest_radius()));
         if let Some(camera) = given {
             return Ok(camera);
         }
-        let (camera, warnings) = scene::camera(scene, points, self.prepared.assembled.up)?;
+        let (camera, warnings) = scene::stated_camera(scene, points, self.prepared.assembled.up)?;
         let once = self.told.to(messages);
         warnings.iter().for_each(|warning| once.warn(warning));
         Ok(camera)
+    }
+
+    /// Looks at the points through another camera, until a request asks for another one than the last did.
+    pub fn look_through(&mut self, camera: StatedCamera) {
+        self.prepared.camera = camera;
+        self.frame.camera = camera.camera();
     }
 
     /// Decides method and opacity.
@@ -448,12 +454,14 @@ impl Session {
         metadata.extend(notes::decisions(frame, &uploaded.cloud, &scene.clouds, applied, found.as_ref()));
         let choice = choice.as_ref().map(Choice::json);
         metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
+        metadata.push(prepared.camera_metadata());
         metadata.extend(own);
         WriteOptions {
             background: scene.image.background,
             color: scene.image.color_space(),
             transparent: false,
             metadata,
+            camera: Some(prepared.camera.camera()),
             inputs: prepared.request.inputs.clone(),
         }
     }

@@ -10,7 +10,7 @@ use super::messages::{CloudShare, Setup};
 use super::navigate::{CameraSubject, Pose};
 use super::statistics::{FieldFacts, Histograms};
 use super::thinned::{self, ThinnedCloud};
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::StatedCamera;
 use pellucid_core::points::{Changes, Points};
 use pellucid_engine::methods::brightness::Applied;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, shadows};
@@ -444,17 +444,17 @@ fn no_points() -> pellucid_engine::Error {
     scene::Error::NoPoints { clouds: "the scene".into(), reason: "there is no point to draw".into() }.into()
 }
 
-fn camera(scene: &Scene, pose: Pose, subject: &CameraSubject, points: &Points) -> Result<Camera> {
+fn camera(scene: &Scene, pose: Pose, subject: &CameraSubject, points: &Points) -> Result<StatedCamera> {
     let CameraSubject { bounds, radius, up, .. } = subject;
     let settings = match pose {
         Pose::At(settings) => {
-            let found = scene::camera_at(&settings, bounds, *radius);
+            let found = scene::stated_camera_at(&settings, bounds, *radius);
             return found.ok_or_else(|| scene::Error::Extent { min: bounds.min, max: bounds.max }.into());
         }
         Pose::Scene => scene.camera,
         Pose::View(view) => scene.camera.seen_from(view),
     };
     let framed = Scene { camera: settings, clouds: Vec::new(), ..scene.clone() };
-    let (camera, _warnings) = scene::camera(&framed, points, *up)?;
+    let (camera, _warnings) = scene::stated_camera(&framed, points, *up)?;
     Ok(camera)
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::StatedCamera;
 use pellucid_core::camera::import::CameraSource;
 use pellucid_core::camera::path::{self, Curve, Pose};
 use pellucid_core::cloud::UpAxis;
@@ -27,7 +27,7 @@ pub struct PathArgs {
     /// A JSON file of keys with eye, target and more (docs/camera-paths.md), a transforms.json of nerfstudio, a
     /// cameras.json of 3D Gaussian Splatting, or the folder of a COLMAP model (text or binary). With --frames N the
     /// camera is interpolated between the keys; otherwise every key is one frame.
-    #[arg(long, value_name = "PATH", conflicts_with = "turntable", help_heading = FRAMES)]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["turntable", "like"], help_heading = FRAMES)]
     path: Option<PathBuf>,
     /// Turn the camera once around the scene, in --frames N steps.
     ///
@@ -97,7 +97,7 @@ impl Along {
 
     /// Reads the clouds of a request, and finds the camera of each frame; there is at least one, and the first is that
     /// of the request.
-    pub fn prepare(&self, request: Request, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
+    pub fn prepare(&self, request: Request, progress: &Bar) -> Result<(Prepared, Vec<StatedCamera>)> {
         let mut cameras = Vec::new();
         let find = |scene: &Scene, points: &Points, up: UpAxis| {
             let (found, warnings) = self.cameras(scene, points, up)?;
@@ -117,7 +117,7 @@ impl Along {
     }
 
     /// The camera of each frame, and what is to be said about them; `up` is the vertical of the clouds.
-    fn cameras(&self, scene: &Scene, points: &Points, up: UpAxis) -> Result<(Vec<Camera>, Vec<String>)> {
+    fn cameras(&self, scene: &Scene, points: &Points, up: UpAxis) -> Result<(Vec<StatedCamera>, Vec<String>)> {
         let course = Course::new(scene, points, up)?;
         let (poses, warnings) = self.poses(&course, scene.image.size)?;
         let cameras = poses.iter().map(|pose| course.camera(pose)).collect::<Result<_, _>>()?;

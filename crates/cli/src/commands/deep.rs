@@ -117,6 +117,7 @@ fn layout(DeepFormat { order, numbers, packing }: DeepFormat, session: &Session)
     let mut metadata = session.prepared.metadata(session.frame.method.name(), &session.device.info().name);
     let found = session.found.map(|found| found.json(&session.scene().clouds));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
+    metadata.push(session.prepared.camera_metadata());
     DeepLayout {
         size: session.frame.size,
         state: order.state,
@@ -125,6 +126,7 @@ fn layout(DeepFormat { order, numbers, packing }: DeepFormat, session: &Session)
         packing,
         volumes: deep::has_volumes(&session.frame.method, session.uploaded.cloud.has_gaussians()),
         metadata,
+        camera: Some(session.prepared.camera.camera()),
     }
 }
 

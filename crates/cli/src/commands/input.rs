@@ -184,10 +184,10 @@ impl InputArgs {
         if is_taken { named(".render").into() } else { name.into() }
     }
 
-    /// The inputs, and the files that a scene file among them names. A scene that can't be read names none, which is
+    /// The inputs, the picture of --like, and the files that a scene file among them names. A scene that can't be read names none, which is
     /// said by whoever reads it in the end.
     fn files(&self) -> Vec<PathBuf> {
-        let mut files = self.inputs.clone();
+        let mut files: Vec<_> = self.inputs.iter().chain(&self.view.like).cloned().collect();
         // Of the built-in scene only options name files.
         if !self.inputs.is_empty() || !self.set.is_empty() {
             let named = self.overrides(None).ok().and_then(|all| scene::name(&self.inputs, &all, self.seed).ok());
@@ -208,6 +208,7 @@ impl InputArgs {
             // First, so that all other options win.
             preset.apply(&mut overrides, |key| self.gives(key))?;
         }
+        self.view.apply_like(&mut overrides)?;
         if let (None, Some([width, height])) = (&self.size, size) {
             overrides.set("--path", "image.size", &format!("[{width}, {height}]"))?;
         }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::StatedCamera;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::{Result, profile};
 use pellucid_session::{FrameRequest, Measuring, Prepared, Request, Session};
@@ -66,7 +66,7 @@ impl ProfileArgs {
     }
 
     /// Reads the inputs, and finds the camera of each frame.
-    pub fn prepare(&self, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
+    pub fn prepare(&self, progress: &Bar) -> Result<(Prepared, Vec<StatedCamera>)> {
         let (memory_budget, stop) = (self.device.budget(), self.stop);
         let frame = FrameRequest { memory_budget, counts: true, stop, ..FrameRequest::default() };
         let along = self.along.course(self.frames, &self.input, progress.console)?;
@@ -124,7 +124,7 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     let mut measuring = Measuring::new(args.steady);
     let mut hindrance = None;
     for (number, camera) in cameras.iter().enumerate() {
-        session.frame.camera = *camera;
+        session.look_through(*camera);
         let counted = if moves && uncounted { Some(count_lists(&mut session)?) } else { None };
         let mut rendered = measuring.frame(&mut session)?;
         hindrance = hindrance.or(measuring.hindrance(&session, &rendered));

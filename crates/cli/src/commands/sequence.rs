@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::StatedCamera;
 use pellucid_engine::methods::{Frame, Rendered};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::{Result, identity};
@@ -33,7 +33,7 @@ const IDENTITY: &str = "pellucid:sequence";
 pub struct Frames<'a> {
     job: &'a RenderJob,
     files: Vec<PathBuf>,
-    pub cameras: Vec<Camera>,
+    pub cameras: Vec<StatedCamera>,
     /// The identity of each picture: a hash of everything it depends on.
     identities: Vec<String>,
     /// True of those that are not to be rendered again.
@@ -117,7 +117,7 @@ fn caption(along: &Along, session: &Session) -> Caption {
 
 impl<'a> Frames<'a> {
     /// The frames of cameras, of which none is known to exist.
-    pub fn named(job: &'a RenderJob, cameras: Vec<Camera>, pattern: &Pattern, session: &Session) -> Self {
+    pub fn named(job: &'a RenderJob, cameras: Vec<StatedCamera>, pattern: &Pattern, session: &Session) -> Self {
         let files = (0..cameras.len()).map(|number| pattern.file(number)).collect();
         let identities = identities(job, &cameras, session);
         let there = vec![false; cameras.len()];
@@ -172,7 +172,7 @@ impl<'a> Frames<'a> {
             if interrupt::asked() {
                 break;
             }
-            session.frame.camera = self.cameras[number];
+            session.look_through(self.cameras[number]);
             let mut rendered = (due.render)(session)?;
             if rendered.image.rgba.iter().all(|[.., a]| *a == 0.0) {
                 empty.push(number);
@@ -263,10 +263,10 @@ fn is_taken(file: &Path) -> bool {
 }
 
 /// A hash, for each frame, of everything its file depends on.
-fn identities(job: &RenderJob, cameras: &[Camera], session: &Session) -> Vec<String> {
+fn identities(job: &RenderJob, cameras: &[StatedCamera], session: &Session) -> Vec<String> {
     let prepared = &session.prepared;
     let depths = prepared.request.frame.depths;
-    let frame = Frame { camera: prepared.camera, depths, ..session.frame };
+    let frame = Frame { camera: prepared.camera.camera(), depths, ..session.frame };
     let info = session.device.info();
     let metadata = prepared.metadata(session.frame.method.name(), &info.name);
     let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, job.args.aov, job.args.transparent);
@@ -277,7 +277,7 @@ fn identities(job: &RenderJob, cameras: &[Camera], session: &Session) -> Vec<Str
     let whole =
         identity::hash(prepared.assembled.arranged(), &frame, prepared.scene().image.background, &written, info);
     let count = cameras.len();
-    let one = |(number, camera): (usize, &Camera)| {
+    let one = |(number, camera): (usize, &StatedCamera)| {
         // Debug output of floats is exact.
         blake3::hash(format!("{whole} {number} of {count} {camera:?}").as_bytes()).to_hex().to_string()
     };

@@ -177,7 +177,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let size = along.as_ref().and_then(Along::size);
     let mut request = Request { frame, ..args.input.request(size, &progress)? };
     request.wanted.radii = along.is_none();
-    let (prepared, cameras) = match along {
+    let (prepared, stated) = match along {
         Some(along) => along.prepare(request, &progress)?,
         None => {
             let opened = Opened::new(request, &progress, &progress)?;
@@ -187,6 +187,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
             (opened.prepare(&progress, &progress)?, Vec::new())
         }
     };
+    let cameras: Vec<Camera> = stated.into_iter().map(Camera::from).collect();
     args.check_popping(&prepared, &cameras)?;
     let formation = candidates::compared(&prepared.scene().method.representative(), prepared.points())?;
     let (prepared, factors) = match prepared.see_through() {

@@ -70,7 +70,7 @@ pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
         view: request.scene.camera.view,
         setup,
         device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
-        size: if input.size.is_some() { request.scene.image.size } else { SIZE },
+        size: if input.size.is_some() || input.view.like.is_some() { request.scene.image.size } else { SIZE },
         budget_ms: budget,
         path: path.zip(cameras),
     };

@@ -1,10 +1,12 @@
-//! The options for where a camera stands: `--view`, `--azimuth`, `--elevation`, `--up`, `--ortho`.
+//! The options for where a camera stands: `--like`, `--view`, `--azimuth`, `--elevation`, `--up`, `--ortho`.
+
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use pellucid_engine::Result;
-use pellucid_scene::{Overrides, Vertical, View, ViewName};
+use pellucid_scene::{Overrides, PictureCamera, Vertical, View, ViewName};
 
 use super::headings::CAMERA;
 use super::options::number;
@@ -14,6 +16,13 @@ use super::options::number;
 // A group of this name would be that of `view`'s own options.
 #[group(skip)]
 pub struct ViewArgs {
+    /// Take camera and size of a picture that was rendered before, from its metadata.
+    ///
+    /// A PNG or EXR of this program. Its camera replaces that of the scene file, with the depths that were drawn; --size
+    /// gives another size. With the inputs and the other options of that picture the same pixels come out; its metadata
+    /// list them (pellucid:scene, pellucid:settings, pellucid:seed).
+    #[arg(long, value_name = "PICTURE", conflicts_with_all = ["view", "azimuth", "elevation", "up", "ortho"], help_heading = CAMERA)]
+    pub like: Option<PathBuf>,
     /// Show the whole scene from a named side or point of the compass.
     ///
     /// --view, --azimuth and --elevation replace the camera's eye and target. Without them the camera stands above, to
@@ -46,6 +55,14 @@ impl ViewArgs {
     /// The direction that was asked for.
     pub fn view(&self) -> View {
         View { name: self.view, azimuth: self.azimuth, elevation: self.elevation }
+    }
+
+    /// The camera and the size of the picture of --like. They come first, so that other options win.
+    pub fn apply_like(&self, overrides: &mut Overrides) -> Result<()> {
+        let Some(picture) = &self.like else { return Ok(()) };
+        let (option, found) = (format!("--like {}", picture.display()), PictureCamera::read(picture)?);
+        overrides.set(option.clone(), "camera", &found.as_value())?;
+        Ok(overrides.set(option, "image.size", &format!("{:?}", found.size))?)
     }
 
     /// The options that stand for keys of a scene file.

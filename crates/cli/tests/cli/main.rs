@@ -28,6 +28,7 @@ mod install;
 mod interrupted;
 mod iso;
 mod legend;
+mod like;
 mod looks;
 mod measure;
 mod old_scenes;
@@ -197,6 +198,7 @@ fn write_picture(path: &Path, width: u32, red: f32) {
         color: ColorSpace::Linear,
         transparent: false,
         metadata: Vec::new(),
+        camera: None,
         inputs: Inputs::default(),
     };
     write_image(path, &image, &options).unwrap();

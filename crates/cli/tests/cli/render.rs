@@ -13,7 +13,7 @@ use crate::{builtin, done, folder, has_device, inside};
 const KEYS: [&str; 6] = ["scene", "method", "settings", "device", "version", "seed"];
 
 /// Color type, bytes and text chunks of a PNG.
-fn png(path: &Path) -> (png::ColorType, Vec<u8>, BTreeMap<String, String>) {
+pub fn png(path: &Path) -> (png::ColorType, Vec<u8>, BTreeMap<String, String>) {
     let mut reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap())).read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();

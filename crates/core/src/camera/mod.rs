@@ -4,6 +4,9 @@
 
 pub mod import;
 pub mod path;
+mod stated;
+
+pub use stated::{StatedCamera, in_degrees, reach};
 
 use glam::{DVec2, DVec3};
 
@@ -53,20 +56,6 @@ impl Camera {
         }
         let right = right.normalize();
         Some(Self { eye, right, up: right.cross(forward), forward, projection, near, far })
-    }
-
-    /// Returns the `[camera]` of a scene file that gives this camera, except for the last digits. The target lies at
-    /// this distance.
-    pub fn to_toml(&self, distance: f64) -> String {
-        let distance = if distance > 0.0 && distance.is_finite() { distance } else { 1.0 };
-        let target = self.eye + self.forward * distance;
-        let lens = match self.projection {
-            Projection::Perspective { fov_y } => format!("fov_y = {:?}", (fov_y.to_degrees() * 1e9).round() / 1e9),
-            Projection::Orthographic { height } => format!("height = {height:?}"),
-        };
-        let [eye, target, up] = [self.eye, target, self.up].map(|v| v.to_array());
-        let (near, far) = (self.near, self.far);
-        format!("[camera]\neye = {eye:?}\ntarget = {target:?}\nup = {up:?}\n{lens}\nnear = {near:?}\nfar = {far:?}")
     }
 
     /// Returns camera coordinates (right, up, z) of a world position; z is positive before the camera.

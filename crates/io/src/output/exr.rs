@@ -4,7 +4,7 @@ use std::io::{self, Cursor, Write as Out};
 
 use exr::prelude::*;
 
-use super::{WriteOptions, background};
+use super::{WriteOptions, background, matrices};
 use pellucid_core::color::ColorSpace;
 use pellucid_core::color::decode_srgb;
 use pellucid_core::image::Image as Frame;
@@ -35,7 +35,13 @@ pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -
     let size = (image.width as usize, image.height as usize);
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels));
+    let [world_to_camera, world_to_normalized_device] =
+        match options.camera.and_then(|camera| matrices::matrices(&camera, [image.width, image.height])) {
+            Some(matrices) => matrices.map(Some),
+            None => [None; 2],
+        };
+    let attributes = LayerAttributes { world_to_camera, world_to_normalized_device, ..LayerAttributes::default() };
+    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels));
     let mut picture = Image::from_layer(layer);
     for (name, value) in &options.metadata {
         // UTF-8, as OpenEXR 3 takes strings to be.

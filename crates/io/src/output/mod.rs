@@ -4,6 +4,7 @@ pub mod deep;
 mod exr;
 mod file;
 mod inputs;
+mod matrices;
 mod png;
 mod read;
 pub mod room;
@@ -18,10 +19,11 @@ pub use file::{Files, check_folder, check_report_folder, make_folder, write_atom
 pub use inputs::{Inputs, Output};
 pub use png::{raster, to_byte};
 pub use read::read_image;
-pub use tag::metadata;
+pub use tag::{Tagged, metadata, tagged};
 
 use crate::has_memory;
 use pellucid_core::atomic::remedy;
+use pellucid_core::camera::Camera;
 use pellucid_core::color;
 use pellucid_core::color::ColorSpace;
 use pellucid_core::image::MAX_SIDE;
@@ -115,6 +117,8 @@ pub struct WriteOptions {
     pub transparent: bool,
     /// Names and values, in the order in which a PNG lists them (EXR: by name).
     pub metadata: Vec<(String, String)>,
+    /// EXR only: the camera of OpenEXR's standard attributes `worldToCamera` and `worldToNDC`, if there was one.
+    pub camera: Option<Camera>,
     /// Files that the image was made of, which it must not replace.
     pub inputs: Inputs,
 }

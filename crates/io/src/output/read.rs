@@ -33,7 +33,7 @@ pub fn read_image(path: &Path) -> Result<LinearImage, Error> {
 }
 
 /// A file and its length in bytes.
-fn open(path: &Path) -> Result<(BufReader<File>, u64), Error> {
+pub(super) fn open(path: &Path) -> Result<(BufReader<File>, u64), Error> {
     let failed = |source| Error::Read { path: path.to_owned(), source };
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
@@ -58,7 +58,7 @@ fn check_size(path: &Path, width: u64, height: u64, len: u64, ratio: u64) -> Res
 }
 
 /// Runs a decoder; any defect of the file, even one that makes it panic, becomes an error.
-fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+pub(super) fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     guard(decoder).unwrap_or_else(|panic| {
         Err(Error::Decode { path: path.to_owned(), reason: format!("the decoder gave up: {panic}") })
     })

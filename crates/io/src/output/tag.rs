@@ -4,7 +4,10 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::Format;
+use exr::prelude::{AttributeValue, MetaData};
+
+use super::read::{decode, open};
+use super::{Error, Format};
 
 /// The last bytes of every PNG: an empty chunk IEND with its length and checksum.
 const PNG_END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
@@ -18,6 +21,37 @@ pub fn metadata(path: &Path, name: &str) -> Option<String> {
     }
 }
 
+/// Size of a picture, and the value of a name in its metadata.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tagged {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The value; `None` if the picture doesn't have the name.
+    pub value: Option<String>,
+}
+
+/// Returns the size of a PNG or EXR and the value of a name in its metadata, without its pixels.
+///
+/// # Errors
+/// Returns an error if the extension is neither `.png` nor `.exr`, and if the file is missing or damaged.
+pub fn tagged(path: &Path, name: &str) -> Result<Tagged, Error> {
+    let damaged = |reason: String| Error::Decode { path: path.to_owned(), reason };
+    match Format::from_extension(path)? {
+        Format::Png => decode(path, || {
+            let reader = png::Decoder::new(open(path)?.0).read_info().map_err(|error| damaged(error.to_string()))?;
+            let info = reader.info();
+            Ok(Tagged { size: [info.width, info.height], value: text_of(info, name) })
+        }),
+        Format::Exr => decode(path, || {
+            let meta =
+                MetaData::read_from_buffered(open(path)?.0, false).map_err(|error| damaged(error.to_string()))?;
+            let size = meta.headers.first().map(|header| [header.layer_size.0, header.layer_size.1]);
+            let size = size.unwrap_or_default().map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+            Ok(Tagged { size, value: attribute_of(&meta, name) })
+        }),
+    }
+}
+
 fn of_png(path: &Path, name: &str) -> Option<String> {
     let mut file = File::open(path).ok()?;
     let mut end = [0; PNG_END.len()];
@@ -28,7 +62,11 @@ fn of_png(path: &Path, name: &str) -> Option<String> {
         return None;
     }
     let reader = png::Decoder::new(BufReader::new(file)).read_info().ok()?;
-    let info = reader.info();
+    text_of(reader.info(), name)
+}
+
+/// The text of a PNG with this keyword.
+fn text_of(info: &png::Info<'_>, name: &str) -> Option<String> {
     let latin =
         info.uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == name).map(|chunk| chunk.text.clone());
     let unicode = || info.utf8_text.iter().find(|chunk| chunk.keyword == name)?.get_text().ok();
@@ -36,13 +74,18 @@ fn of_png(path: &Path, name: &str) -> Option<String> {
 }
 
 fn of_exr(path: &Path, name: &str) -> Option<String> {
-    use exr::prelude::{AttributeValue, MetaData};
     let meta = MetaData::read_from_buffered(BufReader::new(File::open(path).ok()?), false).ok()?;
+    attribute_of(&meta, name)
+}
+
+/// The text of an EXR with this name.
+fn attribute_of(meta: &MetaData, name: &str) -> Option<String> {
     let header = meta.headers.first()?;
     let all = header.shared_attributes.other.iter().chain(&header.own_attributes.other);
     let value = all.into_iter().find(|(known, _)| **known == *name)?.1;
     match value {
-        AttributeValue::Text(text) => Some(text.to_string()),
+        // UTF-8, which the decoder takes for Latin-1.
+        AttributeValue::Text(text) => String::from_utf8(text.as_slice().to_vec()).ok(),
         _ => None,
     }
 }

@@ -7,7 +7,7 @@ use pellucid_io::output::deep::{DeepLayout, Numbers, Packing, Sample, State, Wri
 use pellucid_testing_host::random;
 use rand::RngExt;
 
-fn layout(size: [u32; 2]) -> DeepLayout {
+pub fn layout(size: [u32; 2]) -> DeepLayout {
     DeepLayout {
         size,
         state: State::Tidy,
@@ -16,6 +16,7 @@ fn layout(size: [u32; 2]) -> DeepLayout {
         packing: Packing::Raw,
         volumes: false,
         metadata: vec![("pellucid:scene".to_owned(), "a.ply".to_owned())],
+        camera: None,
     }
 }
 

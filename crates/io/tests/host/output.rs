@@ -3,11 +3,15 @@
 use std::fs;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::color::ColorSpace;
 use pellucid_core::color::{decode_srgb, encode_srgb};
 use pellucid_core::image::Image;
-use pellucid_io::output::{Error, Inputs, WriteOptions, check_target, read_image, write_atomically, write_image};
+use pellucid_io::output::deep::{self, DeepLayout};
+use pellucid_io::output::{
+    Error, Inputs, Tagged, WriteOptions, check_target, read_image, tagged, write_atomically, write_image,
+};
 
 fn options() -> WriteOptions {
     let metadata = ["scene", "method", "settings", "device", "version", "seed"];
@@ -16,6 +20,7 @@ fn options() -> WriteOptions {
         color: ColorSpace::Linear,
         transparent: false,
         metadata: metadata.map(|key| (format!("pellucid:{key}"), format!("value of {key} äλ"))).into(),
+        camera: None,
         inputs: Inputs::default(),
     }
 }
@@ -334,4 +339,72 @@ fn a_picture_never_replaces_what_it_was_made_of() {
     }
     assert_eq!(fs::read(&photo).unwrap(), b"the photograph");
     write_image(&other, &frame(), &options).unwrap();
+}
+
+/// The standard attributes of an EXR: matrices of rows, as OpenEXR's `ImfStandardAttributes.h` defines them.
+#[test]
+fn cameras_are_standard_attributes_of_flat_and_deep_files() {
+    use exr::prelude::MetaData;
+    let folder = tempfile::tempdir().unwrap();
+    let (eye, target) = (DVec3::new(3.0, -5.0, 2.0), DVec3::new(0.5, 0.25, 0.75));
+    for projection in [Projection::Perspective { fov_y: 0.7 }, Projection::Orthographic { height: 4.0 }] {
+        let camera = Camera::look_at(eye, target, DVec3::Z, projection, 0.5, 20.0).unwrap();
+        let flat = folder.path().join("flat.exr");
+        write_image(&flat, &frame(), &WriteOptions { camera: Some(camera), ..options() }).unwrap();
+        let deep = folder.path().join("deep.exr");
+        let layout = DeepLayout { camera: Some(camera), ..crate::deep::layout([3, 2]) };
+        let mut writer = deep::Writer::begin(fs::File::create(&deep).unwrap(), &layout).unwrap();
+        writer.push(&[0; 6], &[]).unwrap();
+        writer.finish().unwrap();
+        for file in [flat, deep] {
+            let header = MetaData::read_from_file(&file, true).unwrap().headers.remove(0).own_attributes;
+            let [to_camera, to_ndc] =
+                [header.world_to_camera, header.world_to_normalized_device].map(|m| m.expect("the matrix"));
+            for point in [DVec3::ZERO, target, DVec3::new(1.0, -1.0, 2.0), DVec3::new(-2.0, 0.5, 0.125)] {
+                let row = point.extend(1.0).to_array();
+                let times = |m: [f32; 16]| -> [f64; 4] {
+                    std::array::from_fn(|i| (0..4).map(|k| row[k] * f64::from(m[4 * k + i])).sum())
+                };
+                let (view, found) = (camera.to_view(point), times(to_camera));
+                assert!(
+                    (DVec3::new(found[0], found[1], found[2]) - view).length() < 2e-6 && found[3] == 1.0,
+                    "{found:?}"
+                );
+                let ([x, y, z, w], (pixel, depth)) = (times(to_ndc), camera.project(point, [3, 2]));
+                assert!((x / w * 3.0 - pixel.x).abs() < 1e-5 && (y / w * 2.0 - pixel.y).abs() < 1e-5, "{x} {y} {w}");
+                let whole = (depth - 0.5) / 19.5;
+                let share = if w == 1.0 { whole } else { whole * 20.0 / depth };
+                assert!((z / w - share).abs() < 1e-5, "{z} {w}: {share}");
+            }
+        }
+    }
+    // Beyond float32 there are none rather than infinite ones.
+    let projection = Projection::Orthographic { height: 4.0 };
+    let far = Camera::look_at(DVec3::splat(1e60), DVec3::ZERO, DVec3::Z, projection, 1.0, 2.0);
+    for camera in [None, far] {
+        let path = folder.path().join("none.exr");
+        write_image(&path, &frame(), &WriteOptions { camera, ..options() }).unwrap();
+        let header = MetaData::read_from_file(&path, true).unwrap().headers.remove(0).own_attributes;
+        assert_eq!((header.world_to_camera, header.world_to_normalized_device), (None, None));
+    }
+}
+
+#[test]
+fn a_name_of_the_metadata_is_read_with_the_size_of_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.png", "a.exr"] {
+        let path = folder.path().join(name);
+        write_image(&path, &frame(), &options()).unwrap();
+        let found = tagged(&path, "pellucid:seed").unwrap();
+        assert_eq!(found, Tagged { size: [3, 2], value: Some("value of seed äλ".into()) });
+        assert_eq!(tagged(&path, "pellucid:none").unwrap(), Tagged { size: [3, 2], value: None });
+        // Cut anywhere in its header it is damaged, but nothing panics.
+        let bytes = fs::read(&path).unwrap();
+        for length in 0..bytes.len().min(900) {
+            fs::write(&path, &bytes[..length]).unwrap();
+            drop(tagged(&path, "pellucid:seed"));
+        }
+        fs::write(&path, &bytes[..40]).unwrap();
+        assert_eq!(tagged(&path, "pellucid:seed").unwrap_err().exit_status(), 1);
+    }
 }

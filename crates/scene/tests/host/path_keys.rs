@@ -58,7 +58,7 @@ fn keys_are_cameras_of_scenes_to_the_last_bit() {
         for (at, scene) in scenes.iter().enumerate() {
             let (expected, _) = scene::camera(scene, &points, UpAxis::Z).unwrap();
             for pose in [curve.key_poses()[at], frames[3 * at]] {
-                assert_eq!(course.camera(&pose).unwrap(), expected, "case {case}, key {at}");
+                assert_eq!(course.camera(&pose).unwrap().camera(), expected, "case {case}, key {at}");
             }
             let settings = scene.camera;
             let at = scene::camera_at(&settings, &points.bounds().unwrap(), f64::from(0.3f32)).unwrap();

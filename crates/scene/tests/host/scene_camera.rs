@@ -229,22 +229,6 @@ fn an_orthographic_camera_shows_the_whole_scene() {
 }
 
 #[test]
-fn a_printed_camera_gives_its_picture_again() {
-    let cloud = points(&[DVec3::new(5e5, 4.5e6, 100.0), DVec3::new(5e5 + 7.0, 4.5e6 + 3.0, 104.0)], 0.25);
-    for text in ["", "[camera]\nfov_y = 33.3", "[camera]\northo = true"] {
-        let (camera, _) = camera_of(text, &cloud, UpAxis::Z, View::default());
-        let (again, warnings) = camera_of(&camera.to_toml(9.0), &cloud, UpAxis::Z, View::default());
-        assert_eq!(warnings, [""; 0]);
-        for position in &cloud.positions {
-            let [(pixel, z), (wanted, depth)] = [again, camera].map(|camera| camera.project(*position, [1000, 1000]));
-            // A target 9 away at 4.5e6 is rounded to 1e-10 of its distance.
-            assert!((pixel - wanted).length() < 1e-6 && (z - depth).abs() < 1e-8, "{text}: {pixel}, not {wanted}");
-        }
-        assert_eq!((again.near, again.far), (camera.near, camera.far));
-    }
-}
-
-#[test]
 fn a_view_replaces_the_eye_but_keeps_the_projection() {
     let cube = points(&[DVec3::splat(-1.0), DVec3::ONE], 0.0);
     let view = View { name: Some(ViewName::Right), ..View::default() };

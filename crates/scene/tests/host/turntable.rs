@@ -61,7 +61,7 @@ fn turned(text: &str, points: &Points, up: UpAxis, view: View, count: usize) -> 
     let course = Course::new(&scene, points, up).unwrap();
     let (turntable, warnings) = course.turntable().unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
-    turntable.frames(count).iter().map(|pose| course.camera(pose).unwrap()).collect()
+    turntable.frames(count).iter().map(|pose| course.camera(pose).unwrap().camera()).collect()
 }
 
 /// Distance of the nearest disc from the image's border, as a share of that side; all must be within the depths.

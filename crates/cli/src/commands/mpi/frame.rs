@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::StatedCamera;
 use pellucid_engine::Result;
 use pellucid_engine::methods::Rendered;
 
@@ -46,13 +46,13 @@ pub fn render(stage: &mut RankScene, ranks: &Ranks, listed: bool) -> Result<Opti
 ///
 /// # Errors
 /// Errors of rendering.
-pub fn film(stage: &mut RankScene, cameras: &[Camera], ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
+pub fn film(stage: &mut RankScene, cameras: &[StatedCamera], ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
     ranks.meet();
     let mut turn = Turn { begin: Instant::now(), work: RankWork::of(ranks), listed, ranks };
     let (before, read) = (ranks.traffic(), stage.bytes_read());
     let (mut desk, mut last, session) = (Desk::open(ranks, cameras.len()), None::<Rendered>, &mut stage.session);
     for number in desk.by_ref() {
-        session.frame.camera = cameras[number];
+        session.look_through(cameras[number]);
         last.into_iter().for_each(|last| session.renderer.recycle(last.image));
         let rendered = session.render()?;
         turn.work.add((&rendered.facts, &rendered.profile), turn.begin, listed);

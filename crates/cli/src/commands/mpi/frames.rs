@@ -88,7 +88,7 @@ fn each_by_all(frames: &Frames<'_>, stage: &mut RankScene, ranks: &Ranks, progre
         if told(interrupt::asked(), ranks) {
             break;
         }
-        stage.session.frame.camera = frames.cameras[number];
+        stage.session.look_through(frames.cameras[number]);
         let Some(shared) = frame::render(stage, ranks, false)? else { continue };
         let mut whole = Some(shared.rendered);
         let mut render =

@@ -50,7 +50,7 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         frame::film(&mut stage, &cameras, ranks, listed)?.into_iter().for_each(|shared| drop(report.add(shared)));
     } else {
         for camera in &cameras {
-            stage.session.frame.camera = *camera;
+            stage.session.look_through(*camera);
             if let Some(shared) = frame::render(&mut stage, ranks, listed)? {
                 stage.session.renderer.recycle(report.add(shared));
             }

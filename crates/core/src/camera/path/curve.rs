@@ -97,8 +97,8 @@ impl Curve {
     }
 
     fn at_knot(&self, knot: usize) -> Pose {
-        let Knot { eye, axes: [right, up, forward], projection, near, far, .. } = self.knots[knot];
-        Pose { eye, right, up, forward, projection, near, far }
+        let Knot { eye, axes: [right, up, forward], projection, near, far, stated, .. } = self.knots[knot];
+        Pose { eye, right, up, forward, projection, near, far, stated }
     }
 
     /// The pose on a piece that has some length, at `s` in [0, 1].
@@ -119,7 +119,8 @@ impl Curve {
         ];
         let knot = &self.knots[ends[0]];
         let projection = Lens { log: lens, ..knot.lens }.projection();
-        Pose { eye, right, up, forward, projection, near: knot.near.map(|_| near), far: knot.far.map(|_| far) }
+        let [near, far] = [knot.near.map(|_| near), knot.far.map(|_| far)];
+        Pose { eye, right, up, forward, projection, near, far, stated: None }
     }
 
     fn ends(&self, span: usize) -> [usize; 2] {

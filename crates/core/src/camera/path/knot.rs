@@ -22,6 +22,8 @@ pub struct Knot {
     pub far: Option<f64>,
     /// The unit vector of a target's `up`; `None` for an orientation.
     pub up: Option<DVec3>,
+    /// Target and `up` as they were given; `None` for an orientation.
+    pub stated: Option<[DVec3; 2]>,
 }
 
 /// The logarithm of what a size in the picture is proportional to, so that a zoom is even.
@@ -58,13 +60,14 @@ impl Knot {
             (None, Some(height)) => Projection::Orthographic { height },
             (None, None) => defaults.projection,
         };
-        let (turn, axes, reach, up) = match (key.orientation, key.target) {
+        let (turn, axes, reach, stated) = match (key.orientation, key.target) {
             (Some([w, x, y, z]), _) => {
                 let turn = DQuat::from_xyzw(x, y, z, w).normalize();
                 (turn, [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| turn * axis), 0.0, None)
             }
             (None, target) => {
-                let arm = DVec3::from(target.unwrap_or(key.eye)) - eye;
+                let target = DVec3::from(target.unwrap_or(key.eye));
+                let arm = target - eye;
                 let up = key.up.map_or(defaults.up, DVec3::from);
                 // Step by step as `scene::camera` does, so that a key gives the camera of a scene with its vectors, bit
                 // for bit.
@@ -78,11 +81,12 @@ impl Knot {
                     })?;
                 let Camera { right, up: top, forward, .. } = camera;
                 let turn = DQuat::from_mat3(&DMat3::from_cols(right, top, -forward)).normalize();
-                (turn, [right, top, forward], arm.length(), Some(up.normalize()))
+                (turn, [right, top, forward], arm.length(), Some([target, up]))
             }
         };
         let lens = Lens::from_projection(projection);
-        Ok(Self { eye, axes, projection, reach, turn, lens, near: key.near, far: key.far, up })
+        let up = stated.map(|[_, up]| up.normalize());
+        Ok(Self { eye, axes, projection, reach, turn, lens, near: key.near, far: key.far, up, stated })
     }
 
     pub fn forward(&self) -> DVec3 {

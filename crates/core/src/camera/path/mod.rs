@@ -64,6 +64,8 @@ pub struct Pose {
     pub near: Option<f64>,
     /// Farthest depth drawn, if the path gives it.
     pub far: Option<f64>,
+    /// Target and `up` from which the axes were found, if they were.
+    pub stated: Option<[DVec3; 2]>,
 }
 
 impl Pose {

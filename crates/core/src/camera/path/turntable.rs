@@ -23,13 +23,13 @@ impl Turntable {
     /// Returns the turn of a camera; its depths are left to be found for each pose.
     pub fn new(camera: &Camera, center: DVec3, axis: DVec3) -> Self {
         let Camera { eye, right, up, forward, projection, .. } = *camera;
-        let start = Pose { eye, right, up, forward, projection, near: None, far: None };
+        let start = Pose { eye, right, up, forward, projection, near: None, far: None, stated: None };
         Self { start, center, axis: axis.normalize_or(DVec3::Z) }
     }
 
     /// `count` poses: the first is the camera's own, the last one step before it.
     pub fn frames(&self, count: usize) -> Vec<Pose> {
-        let Pose { eye, right, up, forward, projection, near, far } = self.start;
+        let Pose { eye, right, up, forward, projection, near, far, .. } = self.start;
         let pose = |i: usize| {
             // Without the rounding of the way to the center and back.
             if i == 0 {
@@ -44,6 +44,7 @@ impl Turntable {
                 projection,
                 near,
                 far,
+                stated: None,
             }
         };
         (0..count).map(pose).collect()

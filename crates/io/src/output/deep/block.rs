@@ -146,6 +146,7 @@ mod tests {
             packing: Packing::Raw,
             volumes: false,
             metadata: Vec::new(),
+            camera: None,
         };
         // The last that fit, of 20 bytes each, and one more.
         let most = (1 << 31) / 20;

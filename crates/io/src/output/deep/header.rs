@@ -2,6 +2,7 @@
 
 use std::io;
 
+use super::super::matrices;
 use super::{DeepLayout, Numbers, Packing, State, invalid};
 
 /// Magic number and version 2 with the bit of files that are no images of one value per pixel.
@@ -53,6 +54,10 @@ pub(super) fn bytes(layout: &DeepLayout) -> io::Result<Header> {
         ("version", "int", 1i32.to_le_bytes().to_vec()),
     ];
     attributes.extend(layout.tells_state.then(|| ("deepImageState", "deepImageState", vec![state])));
+    let matrices = layout.camera.and_then(|camera| matrices::matrices(&camera, layout.size));
+    let bytes_of = |matrix: [f32; 16]| matrix.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let matrices = matrices.into_iter().flat_map(|both| matrices::NAMES.into_iter().zip(both));
+    attributes.extend(matrices.map(|(name, matrix)| (name, "m44f", bytes_of(matrix))));
     attributes.extend(layout.metadata.iter().map(|(name, value)| (name.as_str(), "string", value.as_bytes().to_vec())));
     attributes.sort();
     let mut header = Header { bytes: BEGIN.to_vec(), longest_at: 0 };

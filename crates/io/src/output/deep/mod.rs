@@ -13,6 +13,7 @@ use std::io::{self, Seek, SeekFrom, Write};
 pub use tidy::tidy;
 
 use block::Line;
+use pellucid_core::camera::Camera;
 use pellucid_core::parallel;
 
 /// A sample of a pixel.
@@ -71,6 +72,8 @@ pub struct DeepLayout {
     pub volumes: bool,
     /// Names and values.
     pub metadata: Vec<(String, String)>,
+    /// The camera of OpenEXR's standard attributes `worldToCamera` and `worldToNDC`, if there was one.
+    pub camera: Option<Camera>,
 }
 
 impl DeepLayout {

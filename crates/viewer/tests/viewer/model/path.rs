@@ -45,7 +45,7 @@ fn a_key_is_the_camera_that_is_shown() {
     let frames = curve.frames(5);
     for (frame, camera) in [(0, &cameras[0]), (2, &cameras[1]), (4, &cameras[2])] {
         let shown = pellucid_scene::camera_at(camera, &points.bounds().unwrap(), f64::from(0.1f32)).unwrap();
-        assert_eq!(course.camera(&frames[frame]).unwrap(), shown, "frame {frame}");
+        assert_eq!(course.camera(&frames[frame]).unwrap().camera(), shown, "frame {frame}");
     }
     // From anywhere a key leads back there, with the depths of the scene.
     for (at, camera) in cameras.iter().enumerate() {
