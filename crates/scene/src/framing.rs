@@ -253,7 +253,7 @@ pub(super) fn level_up(vertical: Vertical, [right, top, forward]: [DVec3; 3]) ->
     let axis = vertical.up();
     let aside = axis.dot(right);
     let up = if axis.dot(top) <= STRAIGHT {
-        // What lies along the view turns nothing.
+        // A part along the view turns nothing.
         top + 2.0 * axis.dot(forward).signum() * forward
     } else if aside.abs() <= LEVEL {
         axis

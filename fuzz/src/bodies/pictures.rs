@@ -29,8 +29,8 @@ pub fn photo(input: &[u8]) {
     });
 }
 
-/// A picture as `compare` reads it, by its first bytes a PNG or an EXR, compared with itself mirrored; and its camera as
-/// `--like` reads it.
+/// A picture as `compare` reads it, by its first bytes a PNG or an EXR, compared with itself mirrored; and its camera
+/// as `--like` reads it.
 pub fn compare(input: &[u8]) {
     let name = if input.starts_with(b"\x89PNG") { "input.png" } else { "input.exr" };
     let (picture, camera) = with_file(name, input, |path| (read_image(path), PictureCamera::read(path)));

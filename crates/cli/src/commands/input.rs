@@ -184,8 +184,8 @@ impl InputArgs {
         if is_taken { named(".render").into() } else { name.into() }
     }
 
-    /// The inputs, the picture of --like, and the files that a scene file among them names. A scene that can't be read names none, which is
-    /// said by whoever reads it in the end.
+    /// The inputs, the picture of --like, and the files that a scene file among them names. A scene that can't be read
+    /// names none, which is said by whoever reads it in the end.
     fn files(&self) -> Vec<PathBuf> {
         let mut files: Vec<_> = self.inputs.iter().chain(&self.view.like).cloned().collect();
         // Of the built-in scene only options name files.

@@ -18,9 +18,9 @@ use super::options::number;
 pub struct ViewArgs {
     /// Take camera and size of a picture that was rendered before, from its metadata.
     ///
-    /// A PNG or EXR of this program. Its camera replaces that of the scene file, with the depths that were drawn; --size
-    /// gives another size. With the inputs and the other options of that picture the same pixels come out; its metadata
-    /// list them (pellucid:scene, pellucid:settings, pellucid:seed).
+    /// A PNG or EXR of this program. Its camera replaces that of the scene file, with the depths that were drawn;
+    /// --size gives another size. With the inputs and the other options of that picture the same pixels come out; its
+    /// metadata list them (pellucid:scene, pellucid:settings, pellucid:seed).
     #[arg(long, value_name = "PICTURE", conflicts_with_all = ["view", "azimuth", "elevation", "up", "ortho"], help_heading = CAMERA)]
     pub like: Option<PathBuf>,
     /// Show the whole scene from a named side or point of the compass.

@@ -9,8 +9,8 @@ pub(super) const NAMES: [&str; 2] = ["worldToCamera", "worldToNDC"];
 
 /// Returns `worldToCamera` and `worldToNDC` of a picture, row by row, for points as rows: p′ = p · M.
 ///
-/// As OpenEXR defines them (`ImfStandardAttributes.h`): camera space has x to the right, y up and z along the view, and
-/// is left-handed. NDC is (0, 0) in the upper left corner of the picture and (1, 1) in the lower right one. Its z, which
+/// OpenEXR defines them in `ImfStandardAttributes.h`: camera space has x to the right, y up and z along the view, and is
+/// left-handed. NDC is (0, 0) in the upper left corner of the picture and (1, 1) in the lower right one. Its z, which
 /// OpenEXR leaves open, is 0 at the nearest depth and 1 at the farthest. `None` of a camera that float32 can't hold.
 pub(super) fn matrices(camera: &Camera, size: [u32; 2]) -> Option<[[f32; 16]; 2]> {
     let to_camera = to_camera(camera);
@@ -20,13 +20,13 @@ pub(super) fn matrices(camera: &Camera, size: [u32; 2]) -> Option<[[f32; 16]; 2]
     rows.as_flattened().iter().all(|value| value.is_finite()).then_some(rows)
 }
 
-/// From the world to the camera's axes.
+/// Matrix from the world to the camera's axes.
 fn to_camera(&Camera { eye, right, up, forward, .. }: &Camera) -> DMat4 {
     let row = |axis: glam::DVec3| axis.extend(-eye.dot(axis));
     DMat4::from_cols(row(right), row(up), row(forward), DVec4::W).transpose()
 }
 
-/// From the camera's axes to NDC.
+/// Matrix from the camera's axes to NDC.
 fn to_ndc(camera: &Camera, [width, height]: [u32; 2]) -> DMat4 {
     let focal = camera.focal_px(height);
     let (x, y) = (focal / f64::from(width), -focal / f64::from(height));
