@@ -23,7 +23,7 @@ def test_keys_are_attributes_with_the_values_in_force(scene):
     assert scene.method.name == "stochastic"
     assert scene.method.samples == 64
     assert scene.image.size == [1024, 1024]
-    assert scene.image.background == [0.0, 0.0, 0.0]
+    assert scene.image.background == "auto"
     assert scene.camera.eye is None
     assert scene.cloud[0].opacity == 0.25
     assert scene.cloud[-1].path == "ball"
@@ -109,7 +109,8 @@ def test_a_scene_of_arrays_comes_back_with_its_clouds(renderer, points, tmp_path
     assert 'path = "ball"' in scene.to_toml(tmp_path)
     assert 'path = "ball"' in scene.copy().to_toml(tmp_path)
     again = pellucid.Scene.from_toml(text, folder=DATA, clouds=scene.clouds)
-    assert again.given() == scene.given()
+    # A text without a background has a black one.
+    assert again.given() == {**scene.given(), "image": {**scene.given()["image"], "background": "auto"}}
     assert again.to_toml(tmp_path) == scene.to_toml(tmp_path)
     np.testing.assert_array_equal(pellucid.render(again).rgba, pellucid.render(scene).rgba)
     single = pellucid.Scene.from_toml("[[cloud]]\npath = 'a'\nradius = 0.5", clouds=clouds[0])
@@ -241,7 +242,7 @@ def test_a_text_has_neither_view_nor_seed(points):
     scene = pellucid.Scene(pellucid.Cloud(points), view="top")
     scene.seed = 3
     again = pellucid.Scene.from_toml(scene.to_toml(), clouds=scene.clouds)
-    assert again.given() == scene.given()
+    assert again.given() == {**scene.given(), "image": {"background": "auto"}}
     assert (again.seed, again._direction) == (0, {})
 
 

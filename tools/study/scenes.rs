@@ -127,7 +127,7 @@ impl Base {
         // Places of points on a device are 32-bit numbers.
         let mut places: Vec<u32> = (0..points.len() as u32).collect();
         places.shuffle(&mut Pcg64::seed_from_u64(0));
-        Ok(Some(Self { name: known.name, points, places, frame, background: scene.image.background, layers }))
+        Ok(Some(Self { name: known.name, points, places, frame, background: scene.image.background.color(), layers }))
     }
 
     /// Radii and opacities with which lists have the wanted mean, of fewer points if all are too many; `None` if no

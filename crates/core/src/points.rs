@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::cloud::Bounds;
 use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
 use crate::cloud::sampling::{Sampling, mix};
+use crate::cloud::sensor::Sensor;
 use crate::parallel;
 pub use packed::Unreadable;
 pub use sample::Known;
@@ -52,6 +53,8 @@ pub struct Points {
     pub gaussians: Option<Gaussians>,
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
+    /// The sensor that saw all of these points from one place, in world coordinates.
+    pub sensor: Option<Sensor>,
     /// Facts about the scene, if these points only stand for more of them.
     pub whole: Option<Arc<WholeScene>>,
 }
@@ -269,6 +272,13 @@ impl Points {
     pub fn sampled_drawn(&self) -> impl ParallelIterator<Item = &DVec3> {
         let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
         self.positions.par_iter().with_min_len(1 << 14).filter(move |position| sampling.takes(**position))
+    }
+
+    /// Returns the colors of [`Self::sampled_drawn`].
+    pub fn sampled_colors(&self) -> impl ParallelIterator<Item = &Vec3> {
+        let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
+        let all = self.positions.par_iter().zip(&self.colors).with_min_len(1 << 14);
+        all.filter(move |(position, _)| sampling.takes(**position)).map(|(_, color)| color)
     }
 
     /// Returns the ids of some points of the list: numbers that random words are made from. An id follows from a

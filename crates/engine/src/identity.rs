@@ -47,6 +47,8 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         fields,
         gaussians,
         unseen,
+        // The camera is part of the frame.
+        sensor: _,
         whole,
     } = arranged.points();
     let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();

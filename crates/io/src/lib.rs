@@ -6,6 +6,7 @@ mod columns;
 mod crs;
 pub mod decoder;
 mod e57;
+mod grid;
 mod las;
 mod memory;
 mod number;
@@ -33,6 +34,7 @@ use pellucid_core::progress::Progress;
 pub use columns::unit_or_zero;
 pub use decoder::silence_decoder_panics;
 pub use memory::{LEAST_MEMORY, has_memory, memory_for_points, peak_memory};
+use pellucid_core::cloud::upright;
 use pellucid_core::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, same_scalar};
 use photo::Photo;
 use shared::SharedFile;
@@ -218,7 +220,9 @@ pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
 /// columns that differs from the number of names.
 pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud, Error> {
     if store::is_folder(path) {
-        return check_some(path, store::whole(&*store::open(path, hints, progress)?, progress)?);
+        let mut cloud = store::whole(&*store::open(path, hints, progress)?, progress)?;
+        upright::lay(&mut cloud);
+        return check_some(path, cloud);
     }
     if splats::is_folder(path) {
         let path = path.join(splats::META);
@@ -244,6 +248,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
     if hints.columns.is_some() && !matches!(format, Format::Text(_)) {
         cloud.warnings.push(NAMES_WITHOUT_EFFECT.to_owned());
     }
+    upright::lay(&mut cloud);
     check_some(&path, cloud)
 }
 

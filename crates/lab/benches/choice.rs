@@ -64,7 +64,13 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
     let start = Instant::now();
     let table = search(
         device,
-        &MeasuredScene { arranged: &arranged, frame, background: scene.image.background, scene: name, cameras: &[] },
+        &MeasuredScene {
+            arranged: &arranged,
+            frame,
+            background: scene.image.background.color(),
+            scene: name,
+            cameras: &[],
+        },
     )?;
     let (settings, seconds) = (table.rows.len(), start.elapsed().as_secs());
     println!("\n== {name} {keys:?}: {settings} settings searched in {seconds} s");
@@ -89,7 +95,7 @@ fn search(device: &Device, subject: &MeasuredScene<'_>) -> Result<Tradeoff> {
 
 fn choices(device: &Device, arranged: &Arranged, scene: &Scene, frame: Frame, table: &Tradeoff) -> Result<()> {
     let mut cloud = Renderer::new(device)?.upload(arranged)?;
-    let subject = choice::ChoiceFrame { arranged, frame, background: scene.image.background, only: None };
+    let subject = choice::ChoiceFrame { arranged, frame, background: scene.image.background.color(), only: None };
     let exact = table.rows.iter().filter(|row| row.errors.rmse < choice::EXACT);
     let exact = exact.map(|row| row.gpu_ms.median).fold(f64::INFINITY, f64::min);
     let by_error = ERRORS.map(|error| Wish { max_error: Some(error), budget_ms: None });

@@ -102,7 +102,7 @@ pub fn tradeoff(
         shadows,
         ..session.frame
     };
-    let background = scene.image.background;
+    let background = scene.image.background.color();
     let subject = MeasuredScene {
         arranged: session.assembled().arranged(),
         frame,

@@ -22,6 +22,7 @@ use super::units::Units;
 use crate::prepare;
 use crate::prepare::Arranged;
 use crate::prepare::ensembles;
+use pellucid_core::cloud::sensor::Sensor;
 use pellucid_core::cloud::shadow_texture::ShadowTexture;
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
 use pellucid_core::parallel;
@@ -64,7 +65,7 @@ pub fn up_axis(clouds: &[impl Borrow<Cloud>]) -> UpAxis {
 pub(super) fn most_frequent(ups: impl Iterator<Item = UpAxis> + Clone) -> UpAxis {
     let count = |up: UpAxis| ups.clone().filter(|other| *other == up).count();
     // The last one of those that are most.
-    let most = [UpAxis::NegativeY, UpAxis::Y, UpAxis::Z].into_iter().max_by_key(|up| count(*up));
+    let most = [UpAxis::X, UpAxis::NegativeY, UpAxis::Y, UpAxis::Z].into_iter().max_by_key(|up| count(*up));
     most.filter(|up| count(*up) > 0).unwrap_or_default()
 }
 
@@ -86,9 +87,14 @@ pub fn notes(scene: &Scene, clouds: &[impl Borrow<Cloud>], needs_radii: bool) ->
 }
 
 /// Says that the vertical was guessed, where the camera depends on it.
-fn upright_note(scene: &Scene, cloud: &Cloud) -> Option<String> {
+pub(super) fn upright_note(scene: &Scene, cloud: &Cloud) -> Option<String> {
     let reason = cloud.up_reason.filter(|_| scene.camera.eye.is_none() && scene.camera.up.is_none())?;
-    Some(format!("the file does not say which axis is up; z is assumed, {reason} (--up y changes that)"))
+    let [axis, other] = match cloud.up {
+        UpAxis::X => ["x", "z"],
+        UpAxis::Y | UpAxis::NegativeY => ["y", "z"],
+        UpAxis::Z => ["z", "y"],
+    };
+    Some(format!("the file does not say which axis is up; {axis} is assumed, {reason} (--up {other} changes that)"))
 }
 
 /// Returns the shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one
@@ -234,6 +240,8 @@ pub(super) enum CloudScope<'a> {
 pub(super) struct Known {
     /// Scales that follow from the points that stand for all.
     pub scales: Scales,
+    /// The vertical, which follows from them, too.
+    pub up: UpAxis,
     /// Data that is wanted of each point; all of it is stored, or follows from its columns.
     pub request: prepare::Request,
     /// The box of the cloud, in the file's units.
@@ -257,13 +265,14 @@ pub(super) fn transformed(
     let field_error = |source| Error::Field { path: settings.path.clone(), source };
     let (coloring, request, found, has_normals) = match &from {
         CloudScope::Part(known, _) => {
+            cloud.up = known.up;
             let found = prepare::of_part(&cloud, &known.request, known.bounds, known.range).map_err(field_error)?;
             let coloring = Coloring::of_part(scene, index, &cloud, &known.scales);
             (coloring, known.request.clone(), found, Some(known.has_normals))
         }
         CloudScope::Whole { needs_radii, progress, .. } => {
             progress.begin(Phase::Prepare);
-            let coloring = Coloring::of(scene, index, &cloud);
+            let mut coloring = Coloring::of(scene, index, &cloud);
             let mut request = request(scene, settings, *needs_radii, needs_field || coloring.needs_field());
             request.forgo_shapes(gaussians::are_drawn(scene, settings, &cloud));
             if request.needs_neighbors() {
@@ -271,6 +280,7 @@ pub(super) fn transformed(
                 progress.set_message("finding neighbors");
             }
             let found = prepare::find(&cloud, &request, progress).map_err(field_error)?;
+            coloring.count_drawn(clips, found.dropped.as_deref())?;
             (coloring, request, found, None)
         }
     };
@@ -308,7 +318,7 @@ pub(super) fn transformed(
     let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
     let opacities = parallel::map(count, one);
     parallel::for_each_mut(&mut cloud.positions, |_, position| *position = settings.placed(*position));
-    let seen = seen(visible, clips, &cloud.positions);
+    let (seen, sensor) = (seen(visible, clips, &cloud.positions), sensor(settings, &cloud));
     let mut points = Points {
         positions: cloud.positions,
         colors,
@@ -321,10 +331,16 @@ pub(super) fn transformed(
         fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
         file_order,
         gaussians,
+        sensor,
         ..Points::default()
     };
     leave_out(&mut points, seen.as_deref(), found.dropped.as_deref());
     Ok(points)
+}
+
+/// Returns the sensor of a cloud in the scene.
+pub(super) fn sensor(settings: &CloudSettings, cloud: &Cloud) -> Option<Sensor> {
+    cloud.sensor.map(|sensor| Sensor { position: settings.placed(sensor.position), ..sensor })
 }
 
 /// Normals, unless no point has one.

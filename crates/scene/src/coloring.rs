@@ -6,9 +6,12 @@ use std::borrow::Cow;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::classes::Rules;
+use super::clip::Clips;
 use super::error::Error;
 use super::scene::Scene;
-use super::settings::{CloudSettings, ColorBy, ColorSettings};
+use super::seen::seen;
+use super::settings::{ClassSettings, Clip, CloudSettings, ColorBy, ColorRange, ColorSettings};
 use super::view::Vertical;
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::field;
@@ -113,6 +116,8 @@ pub(super) struct Coloring<'a> {
     vertical: Vertical,
     /// Scales of the whole cloud, if this is a part of it.
     scales: Option<&'a Scales>,
+    /// False for points that don't count for scales; `None` if all count.
+    counted: Option<Vec<bool>>,
 }
 
 /// Facts that the colors of a part of a cloud follow from, in addition to its points.
@@ -149,6 +154,8 @@ pub(super) struct ColorKey {
     placement: (u64, [u64; 3]),
     /// Key of the field, if colors show F.
     field: Option<crate::prepare::FieldKey>,
+    /// Everything that decides which points are drawn, if the range is theirs.
+    drawn: Option<(Vec<Clip>, Vec<ClassSettings>, Option<crate::prepare::outliers::Rule>)>,
 }
 
 impl<'a> Coloring<'a> {
@@ -171,7 +178,28 @@ impl<'a> Coloring<'a> {
 
     fn with(scene: &'a Scene, index: usize, cloud: &'a Cloud, choice: Choice, scales: Option<&'a Scales>) -> Self {
         let vertical = scene.camera.vertical(cloud.up);
-        Self { settings: &scene.clouds[index], cloud, index, choice, vertical, scales }
+        Self { settings: &scene.clouds[index], cloud, index, choice, vertical, scales, counted: None }
+    }
+
+    /// Has scales follow from the points that are drawn, if the range asks for that and there are some. `dropped` marks
+    /// points that are left out.
+    ///
+    /// # Errors
+    /// The cloud lacks what a class is about.
+    pub fn count_drawn(&mut self, clips: &Clips, dropped: Option<&[bool]>) -> Result<(), Error> {
+        if self.settings.coloring.range != Some(ColorRange::Drawn) {
+            return Ok(());
+        }
+        let positions = parallel::map_each(&self.cloud.positions, |position| self.settings.placed(*position));
+        let visible = Rules::of(self.settings, self.cloud)?.visible_points(positions.len());
+        let seen = seen(visible, clips, &positions);
+        let counts = |i: usize| {
+            positions[i].is_finite()
+                && seen.as_ref().is_none_or(|seen| seen[i])
+                && dropped.is_none_or(|dropped| !dropped[i])
+        };
+        self.counted = Some(parallel::map(positions.len(), counts)).filter(|counted| counted.contains(&true));
+        Ok(())
     }
 
     /// Returns the same of another part of the same cloud, with the scales of this one. `fields` as for
@@ -197,14 +225,16 @@ impl<'a> Coloring<'a> {
     }
 
     /// Returns what the colors depend on. `request` is that of the cloud's data.
-    pub fn key(&self, request: &crate::prepare::Request) -> ColorKey {
-        let CloudSettings { color, scale, translate, .. } = self.settings;
+    pub fn key(&self, request: &crate::prepare::Request, clips: &[Clip]) -> ColorKey {
+        let CloudSettings { color, scale, translate, class, coloring, .. } = self.settings;
+        let is_drawn = color.is_none() && coloring.range == Some(ColorRange::Drawn);
         let field = self.needs_field().then(|| request.field_key(self.cloud));
         ColorKey {
             color: color.map(|color| color.to_array().map(f32::to_bits)),
             by: color.is_none().then(|| (self.settings.coloring.clone(), self.vertical)),
             placement: (scale.to_bits(), translate.to_array().map(f64::to_bits)),
             field,
+            drawn: is_drawn.then(|| (clips.to_vec(), class.clone(), request.dropped_outliers)),
         }
     }
 
@@ -312,7 +342,8 @@ impl<'a> Coloring<'a> {
         if let Some(known) = self.scales.and_then(|scales| scales.values) {
             return known;
         }
-        Scale::of(&self.sampled(values), self.settings.coloring.range, self.settings.coloring.log)
+        let range = self.settings.coloring.range.and_then(ColorRange::ends);
+        Scale::of(&self.sampled(values), range, self.settings.coloring.log)
     }
 
     /// The scale of the intensities of all points.
@@ -323,12 +354,13 @@ impl<'a> Coloring<'a> {
     /// The values of points that stand for all.
     fn sampled<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
         let sampling = Sampling::of(values.len() as u64);
-        if sampling.takes_all() {
+        if sampling.takes_all() && self.counted.is_none() {
             return values.into();
         }
-        let both = self.cloud.positions.par_iter().zip(values).with_min_len(1 << 14);
-        both.filter(|(position, _)| sampling.takes(self.settings.placed(**position)))
-            .map(|(_, value)| *value)
+        let counts = |i: usize| self.counted.as_ref().is_none_or(|counted| counted[i]);
+        let both = self.cloud.positions.par_iter().zip(values).enumerate().with_min_len(1 << 14);
+        both.filter(|(i, (position, _))| counts(*i) && sampling.takes(self.settings.placed(**position)))
+            .map(|(_, (_, value))| *value)
             .collect::<Vec<_>>()
             .into()
     }

@@ -10,6 +10,7 @@ use super::overrides::Overrides;
 use super::parse;
 use super::scene::Scene;
 use super::setting::Setting;
+use super::settings::{Background, ImageSettings};
 use super::tree::{self, Entries, Node, Value};
 
 /// The keys of a scene with their values, as given by a file and options; others are absent.
@@ -20,6 +21,8 @@ pub struct Document {
     folder: Option<PathBuf>,
     /// The scene file that it was read from.
     file: Option<PathBuf>,
+    /// `true` of clouds without a scene file, whose background is `auto` unless one is given.
+    names_clouds: bool,
 }
 
 /// A dotted key and its value; `None` removes the key.
@@ -34,7 +37,7 @@ impl Document {
     pub fn from_toml(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
         let mut root = tree::parse(text, origin)?;
         overrides.apply(&mut root)?;
-        Ok(Self { root, folder: origin.parent().map(Path::to_owned), file: None })
+        Ok(Self { root, folder: origin.parent().map(Path::to_owned), file: None, names_clouds: false })
     }
 
     /// Returns the document in the file `path`, with options laid over it.
@@ -63,7 +66,7 @@ impl Document {
         let clouds = Node { place: place(), value: Value::Array(clouds) };
         let mut root = Node { place: place(), value: Value::Table([("cloud".to_owned(), (place(), clouds))].into()) };
         overrides.apply(&mut root)?;
-        Ok(Self { root, folder: None, file: None })
+        Ok(Self { root, folder: None, file: None, names_clouds: true })
     }
 
     /// Returns the scene that the document describes.
@@ -71,13 +74,24 @@ impl Document {
     /// # Errors
     /// Whatever is wrong with a key or value, and where it was given.
     pub fn scene(&self) -> Result<Scene, Error> {
-        parse::read_scene(&self.root, self.folder.as_deref()).map_err(|error| match error {
+        let scene = parse::read_scene(&self.root, self.folder.as_deref()).map_err(|error| match error {
             Error::UnknownKey { place, key, hint } => {
                 let hint = keys::elsewhere(&key).unwrap_or(hint);
                 Error::UnknownKey { place, key, hint }
             }
             error => error,
-        })
+        })?;
+        let image = if self.leaves_background() {
+            ImageSettings { background: Background::Auto, ..scene.image }
+        } else {
+            scene.image
+        };
+        Ok(Scene { image, ..scene })
+    }
+
+    /// Returns `true` of clouds without a scene file to which no background is given.
+    fn leaves_background(&self) -> bool {
+        self.names_clouds && !self.has("image.background")
     }
 
     /// Gives a dotted key a value, as `--set` does, if what comes out is a scene; else all stays as it was.
@@ -190,7 +204,12 @@ impl Document {
                 Error::Usage(format!("{}: a scene file can't hold this path, which is not UTF-8", path.display()))
             })
         };
-        let value = to_toml(&self.root, &[], &moved)?;
+        let mut written = self.clone();
+        if self.leaves_background() {
+            // A scene file without one has a black background.
+            written.put("image.background", Setting::from("auto"))?;
+        }
+        let value = to_toml(&written.root, &[], &moved)?;
         Ok(toml::to_string(&value).unwrap_or_default())
     }
 }

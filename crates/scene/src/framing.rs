@@ -9,6 +9,7 @@ use super::framed::{Framed, Spheres};
 use super::nothing_left::no_points;
 use super::range::MAX_COORDINATE;
 use super::scene::Scene;
+use super::sensor;
 use super::settings::CameraSettings;
 use super::surroundings;
 use super::view::Vertical;
@@ -31,8 +32,8 @@ const CLEARANCE: f64 = 0.1;
 /// farther around where the scene is clearly broader), from the distance at which every framed point (`camera.frame`),
 /// as a sphere of its own radius, fits into the image with a margin of 5%. A given view overrides `eye` and `target`,
 /// and `up` then only defines the vertical axis; the clouds' vertical (the argument `up`) only counts without it. A
-/// scene whose points surround its middle, as those of a room do, is looked at from within unless anything is said of
-/// eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z
+/// scene whose points were all seen by one sensor is looked at from there, and one whose points surround its middle, as
+/// those of a room do, from within, unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z
 /// over the corners of the bounds: those of the framed points, or, with an `eye`, of all.
 ///
 /// # Errors
@@ -55,7 +56,8 @@ pub fn stated_camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Stat
 pub(super) fn automatic(scene: &Scene, points: &Points, up: UpAxis) -> CameraSettings {
     let vertical = scene.camera.vertical(up);
     let Some((framed, bounds)) = Framed::of(scene, points) else { return scene.camera };
-    let inside = surroundings::inside(&scene.camera, &framed, vertical);
+    let from_sensor = sensor::seen_from(&scene.camera, &framed, &bounds, scene.image.size);
+    let inside = from_sensor.or_else(|| surroundings::inside(&scene.camera, &framed, vertical));
     inside.or_else(|| broadest_side(&scene.camera, &framed, &bounds, vertical)).unwrap_or(scene.camera)
 }
 

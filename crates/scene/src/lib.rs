@@ -5,6 +5,7 @@
 
 mod along;
 mod assemble;
+mod background;
 mod batches;
 mod broadest_side;
 mod cache;
@@ -41,6 +42,7 @@ mod reference;
 mod scene;
 mod schema;
 mod seen;
+mod sensor;
 mod setting;
 mod settings;
 pub mod stored;
@@ -57,6 +59,7 @@ pub use along::{Course, path_defaults};
 pub use assemble::{
     arrange, arrange_with_legend, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis,
 };
+pub use background::are_dark;
 pub use choice::MethodChoice;
 pub use coloring::{automatic, colorings};
 pub use document::{Change, Document};

@@ -43,7 +43,7 @@ pub struct Overview {
 pub fn overview(cloud: &Cloud) -> Overview {
     let rule = (DEFAULT_NEIGHBORS, radius::DEFAULT_CAP);
     let Sampled { spacing, positions, radii } = sample(&cloud.positions, cloud.radii.as_deref(), rule);
-    let points = Points { positions, radii, ..Points::default() };
+    let points = Points { positions, radii, sensor: cloud.sensor, ..Points::default() };
     // An empty cloud and coordinates that no camera takes have no view.
     let Some((camera, size, inside)) = automatic(cloud, &some_of(&points)) else {
         return Overview { spacing, ..Overview::default() };
@@ -55,7 +55,8 @@ pub fn overview(cloud: &Cloud) -> Overview {
 fn some_of(points: &Points) -> Points {
     let step = points.len().div_ceil(FITTED).max(1);
     let positions = points.positions.iter().copied().step_by(step).collect();
-    Points { positions, radii: points.radii.iter().copied().step_by(step).collect(), ..Points::default() }
+    let radii = points.radii.iter().copied().step_by(step).collect();
+    Points { positions, radii, sensor: points.sensor, ..Points::default() }
 }
 
 /// The automatic camera, the default size, and whether the camera stands within the points.

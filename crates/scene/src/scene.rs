@@ -2,10 +2,12 @@
 
 use std::borrow::Borrow;
 
+use glam::Vec3;
+
 use super::choice::MethodChoice;
 use super::settings::{
-    CameraSettings, ClassSettings, Clip, CloudSettings, Detail, ImageSettings, Primitive, Shading, ShadingModel,
-    Shadows,
+    Background, CameraSettings, ClassSettings, Clip, CloudSettings, Detail, ImageSettings, Primitive, Shading,
+    ShadingModel, Shadows,
 };
 use crate::prepare::ShadingNormals;
 use pellucid_core::cloud::Cloud;
@@ -53,6 +55,17 @@ impl Scene {
         let linear = alone.contains(&ColorSpace::Linear);
         self.image.color = Some(if linear { ColorSpace::Linear } else { ColorSpace::Encoded });
         self.image.color
+    }
+
+    /// Settles a background that is left to the points: white if `are_dark` says so of these, else black. Returns its
+    /// name if they decided it.
+    pub fn settle_background(&mut self, are_dark: impl FnOnce() -> bool) -> Option<&'static str> {
+        if self.image.background != Background::Auto {
+            return None;
+        }
+        let (name, color) = if are_dark() { ("white", Vec3::ONE) } else { ("black", Vec3::ZERO) };
+        self.image.background = Background::Color(color);
+        Some(name)
     }
 
     /// Returns `true` if the Gaussians of a cloud's file are drawn, should it hold some.

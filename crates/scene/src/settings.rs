@@ -20,14 +20,14 @@ pub use classes::{ClassSettings, Selection};
 pub use clip::{Clip, ClipShape};
 pub(super) use cloud::FIELD_KEYS;
 pub use cloud::{CloudSettings, Primitive};
-pub use coloring::{ColorBy, ColorSettings, ColormapName};
+pub use coloring::{ColorBy, ColorRange, ColorSettings, ColormapName};
 pub use detail::Detail;
 pub use discs::{
     DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Kernel, LongLists, MAX_K, MAX_LAYERS, MAX_NODES, MAX_RANK,
     MAX_SAMPLES, Mlab, MomentCount, Moments, Order, Peel, Raster, Stochastic, Tail, Wavelet,
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
-pub use image::ImageSettings;
+pub use image::{Background, ImageSettings};
 pub use pellucid_core::color::ColorSpace;
 pub use pellucid_core::light::Light;
 pub use shading::{Edl, Formula, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};

@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::framed::Framed;
 use super::scene::Scene;
+use super::sensor;
 use super::settings::{CameraSettings, ShadingModel};
 use super::view::Vertical;
 use pellucid_core::cloud::depth_camera::hundredths;
@@ -198,18 +199,31 @@ pub(super) fn inside(settings: &CameraSettings, framed: &Framed<'_>, vertical: V
 }
 
 /// Returns `true` if the settings leave it open whether the camera stands within the points.
-fn may_be_inside(settings: &CameraSettings) -> bool {
+pub(super) fn may_be_inside(settings: &CameraSettings) -> bool {
     let CameraSettings { up, fov_y, frame, .. } = *settings;
     *settings == CameraSettings { up, fov_y, frame, ..CameraSettings::default() }
 }
 
-/// Returns notes about the camera that [`super::camera`] finds: that it stands within the points, that another axis may
-/// be the vertical, and that there may be nothing to see because points have the color of the background.
+/// Returns notes about the camera that [`super::camera`] finds: that it stands where the sensor stood, or within the
+/// points, that another axis may be the vertical, and that there may be nothing to see because points have the color of the background.
 pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let settings = &scene.camera;
     let vertical = settings.vertical(up);
     let mut notes = Vec::new();
-    let framed = Framed::of(scene, points).filter(|_| settings.eye.is_none()).map(|(framed, _)| framed);
+    let found = Framed::of(scene, points).filter(|_| settings.eye.is_none());
+    let sensor =
+        found.as_ref().and_then(|(framed, bounds)| sensor::seen_from(settings, framed, bounds, scene.image.size));
+    if let Some(eye) = sensor.and_then(|camera| camera.eye) {
+        let [x, y, z] = eye.to_array();
+        notes.push(format!(
+            "all points were seen from ({x}, {y}, {z}), where their sensor stood, so the camera is placed there; --view iso \
+             looks from outside"
+        ));
+        notes.extend(found.and_then(|(framed, _)| strays(&framed)));
+        notes.extend(in_the_background(scene, points));
+        return notes;
+    }
+    let framed = found.map(|(framed, _)| framed);
     let spread = framed.and_then(|framed| PointSpread::of(&framed, vertical));
     if may_be_inside(settings) && spread.as_ref().is_some_and(|spread| spread.within().is_some()) {
         notes.push(
@@ -276,7 +290,7 @@ fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
     let share =
         |holds: &dyn Fn(Vec3) -> bool| picked().filter(|color| holds(**color)).count() as f64 / picked().count() as f64;
     let encoded = |color: Vec3| color.to_array().map(encode_srgb);
-    let background = encoded(scene.image.background);
+    let background = encoded(scene.image.background.color());
     let shaded = scene.shading.model != ShadingModel::None && points.normals.is_some();
     let is_alike = |color: Vec3| encoded(color).iter().zip(background).all(|(c, b)| (c - b).abs() <= ALIKE);
     if !shaded && share(&is_alike) >= HIDDEN {
@@ -285,7 +299,7 @@ fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
         );
     }
     let is_dark = |color: Vec3| color.max_element() <= DARK;
-    (points.len() >= FEWEST && is_dark(scene.image.background) && share(&is_dark) >= 0.5).then(|| {
+    (points.len() >= FEWEST && is_dark(scene.image.background.color()) && share(&is_dark) >= 0.5).then(|| {
         format!(
             "{:.0} % of the points are nearly black, like the background; --background white or --color-by height shows \
              more of them",

@@ -1,7 +1,7 @@
 //! Assembles the points of a scene on the host from its clouds, with notes about them.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use pellucid_core::cloud::shadow_texture::ShadowTexture;
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -13,7 +13,7 @@ use pellucid_scene::legend::Legend;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::stored::Stored;
 use pellucid_scene::tracked::{self, DerivedColumns, Tracked};
-use pellucid_scene::{self as scene, Method, Recipe, Scene, ScreenSplats, ShadingModel};
+use pellucid_scene::{self as scene, Background, CloudSettings, Method, Recipe, Scene, ScreenSplats, ShadingModel};
 
 use crate::messages::Messages;
 use crate::sources::{Clouds, Sources};
@@ -51,6 +51,8 @@ pub struct Assembled {
     settled: Settled,
     recipe: Recipe,
     has_gaussians: bool,
+    /// `true` for clouds whose points have a size of their own.
+    sized: Vec<bool>,
     wanted: Wanted,
 }
 
@@ -65,12 +67,14 @@ enum Origin {
 }
 
 /// Keys that the clouds of a scene decided.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Settled {
     /// The space in which colors are blended because all clouds are of Gaussians.
     blend_space: Option<ColorSpace>,
     /// `true` if points have no normals to shade by.
     is_unlit: bool,
+    /// `true` if the points are dark, once a scene leaves the background to them.
+    is_dark: OnceLock<bool>,
 }
 
 impl Assembled {
@@ -89,7 +93,7 @@ impl Assembled {
         let is_classified = sources.are_classified();
         let units = scene::differing_units(scene, &sources.systems());
         let Sources { clouds, derived, memory, .. } = sources;
-        let made = match clouds {
+        let mut made = match clouds {
             Clouds::Held(clouds) => {
                 Self::of_clouds(scene, (clouds, derived), wanted, is_classified, messages, progress)?
             }
@@ -100,6 +104,11 @@ impl Assembled {
         };
         units.iter().for_each(|warning| messages.warn(warning));
         made.colorings.iter().for_each(|how| messages.detail(how));
+        let is_dark = made.scene.image.background == Background::Auto && made.settled.is_dark(made.points());
+        if let Some(name) = made.scene.settle_background(|| is_dark) {
+            let reason = if is_dark { "the points are dark" } else { "the points are not dark" };
+            messages.detail(&format_args!("the background is {name}: {reason}"));
+        }
         scene::note_of_layers(&made.scene, made.points()).iter().for_each(|note| messages.note(note));
         Ok(made)
     }
@@ -121,8 +130,9 @@ impl Assembled {
         let up = scene::up_axis(clouds);
         let has_gaussians = clouds.iter().any(|cloud| cloud.gaussians.is_some());
         let recipe = Recipe::of(&scene, wanted.seed, up, has_gaussians);
+        let sized = clouds.iter().map(|cloud| is_sized(cloud)).collect();
         let mut colorings = colorings(&with_radii, &scene::colorings(&with_radii, clouds));
-        let settled = Settled { blend_space: with_radii.settle(clouds), is_unlit: false };
+        let settled = Settled { blend_space: with_radii.settle(clouds), is_unlit: false, is_dark: OnceLock::new() };
         scene.image.color = with_radii.image.color;
         colorings.extend(settled.blend_space.map(blended));
         let mut legend = None;
@@ -153,6 +163,7 @@ impl Assembled {
             settled,
             recipe,
             has_gaussians,
+            sized,
             wanted,
         })
     }
@@ -179,6 +190,7 @@ impl Assembled {
         let settled = Settled {
             blend_space: stored.blend_space,
             is_unlit: scene.shading.model == ShadingModel::None && asked.shading.model == ShadingModel::Auto,
+            is_dark: OnceLock::new(),
         };
         Ok(Self {
             legend: wanted.legend.then(|| stored.legend.clone()),
@@ -189,6 +201,7 @@ impl Assembled {
             settled,
             recipe: Recipe::of(asked, wanted.seed, up, has_gaussians),
             has_gaussians,
+            sized: stored.likes().map(is_sized).collect(),
             wanted,
             scene,
             origin: Origin::Stored(Box::new(stored), arranged),
@@ -246,8 +259,8 @@ impl Assembled {
         }
     }
 
-    /// Gives another scene of the same clouds what these decide: the color space of Gaussians, and no shading without
-    /// normals.
+    /// Gives another scene of the same clouds what these decide: the color space of Gaussians, no shading without
+    /// normals, and the background that is left to the points.
     pub fn settle(&self, scene: &mut Scene) {
         if self.settled.blend_space.is_some() && scene.image.color.is_none() {
             scene.image.color = self.scene.image.color;
@@ -255,6 +268,7 @@ impl Assembled {
         if self.settled.is_unlit && scene.shading.model == ShadingModel::Auto {
             scene.shading.model = ShadingModel::None;
         }
+        scene.settle_background(|| self.settled.is_dark(self.points()));
     }
 
     /// Turns the points into those of another scene of the same clouds. Returns the columns that changed, or `None`,
@@ -289,6 +303,7 @@ impl Assembled {
             self.legend = Some(tracked::legend(&with_radii, clouds, &sources.derived)?);
         }
         self.recipe = recipe;
+        self.settled.is_dark = OnceLock::new();
         self.adopt(scene);
         self.colorings = colorings(&self.scene, &scene::colorings(&self.scene, clouds));
         self.colorings.extend(self.settled.blend_space.map(blended));
@@ -309,10 +324,31 @@ impl Assembled {
         }
     }
 
+    /// Returns `true` if all points are discs whose radii were estimated from neighbors, and nothing is said of them.
+    pub fn has_estimated_radii(&self) -> bool {
+        let is_estimated = |(cloud, sized): (&CloudSettings, &bool)| {
+            !sized && cloud.radius.is_none() && cloud.radius_factor == CloudSettings::default().radius_factor
+        };
+        let method = &self.scene.method;
+        method.needs_radii() && method.is_made_of_discs() && self.scene.clouds.iter().zip(&self.sized).all(is_estimated)
+    }
+
     /// Returns the form in which the points were wanted.
     pub fn wanted(&self) -> Wanted {
         self.wanted
     }
+}
+
+impl Settled {
+    /// Returns `true` if these points are dark, which is found once.
+    fn is_dark(&self, points: &Points) -> bool {
+        *self.is_dark.get_or_init(|| scene::are_dark(points))
+    }
+}
+
+/// Returns `true` if the points of a cloud have a size of their own.
+fn is_sized(cloud: &Cloud) -> bool {
+    cloud.own_radii().is_some() || cloud.gaussians.is_some()
 }
 
 /// Returns the scene whose points are made: with a method that has radii, if they are wanted whatever the method.

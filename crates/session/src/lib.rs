@@ -19,6 +19,7 @@ mod prepared;
 mod request;
 mod session;
 mod sources;
+mod sparse;
 mod uploaded;
 
 pub use assembled::{Assembled, Wanted};

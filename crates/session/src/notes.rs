@@ -69,7 +69,7 @@ pub fn decisions(
 ) -> Vec<(String, String)> {
     let all = [
         ("pellucid:brightness", applied.map(Applied::json)),
-        ("pellucid:see-through", found.map(|found| found.json(clouds))),
+        ("pellucid:see-through", found.map(|found| found.json(clouds, frame.factors.radius))),
         ("pellucid:detail", left_out(frame, cloud)),
     ];
     all.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?.to_string()))).collect()
@@ -106,7 +106,11 @@ pub fn describe_opacity(share: f64, found: Option<OpacityFactor>, prepared: &Pre
         messages.warn(&format_args!("{option}: no opacity can be found, because no pixel is covered"));
         return;
     };
-    let opacities = said(found.factor, prepared, |opacity| opacity);
+    let mut opacities = said(found.factor, prepared, |opacity| opacity);
+    let radius_factor = prepared.radius_factor();
+    if radius_factor != 1.0 {
+        opacities = format!("{opacities} and radii times {radius_factor}, which keeps sparse points apart");
+    }
     let OpacityFactor { transmittance, trials, .. } = found;
     if found.meets(share) {
         messages.note(&format_args!(

@@ -1,20 +1,22 @@
 //! A request with its clouds read, its points arranged and its camera found: all that is known without a device.
 
 use bytesize::ByteSize;
+use glam::Vec3;
 use pellucid_core::camera::StatedCamera;
 use pellucid_core::cloud::{Bounds, UpAxis};
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::methods::{Frame, Stop, see_through};
+use pellucid_engine::methods::{Factors, Frame, Stop, see_through};
 use pellucid_io::output;
-use pellucid_scene::{self as scene, Error, Scene};
+use pellucid_scene::{self as scene, Background, Error, Scene};
 
 use crate::assembled::Assembled;
 use crate::choice::Wish;
 use crate::messages::Messages;
 use crate::request::{Request, SeeThrough, SeeThroughBy};
 use crate::sources::Sources;
+use crate::sparse;
 
 /// A request whose clouds were read.
 #[derive(Clone)]
@@ -155,6 +157,15 @@ impl Prepared {
         self.request.see_through?.share(self.assembled.scene.method, self.assembled.is_classified)
     }
 
+    /// Returns the factor on the radii with which the discs of a sparse cloud stay apart in a picture that is to be seen
+    /// through; 1 of other clouds and pictures, and where anything is said of radii.
+    pub fn radius_factor(&self) -> f32 {
+        if self.see_through().is_none() || !self.assembled.has_estimated_radii() {
+            return 1.0;
+        }
+        sparse::radius_factor(self.points(), &self.camera, self.assembled.scene.image.size[1])
+    }
+
     /// Returns the limits by which the method is chosen, if they are meaningful for the scene's method.
     pub fn wish(&self) -> Option<Wish> {
         let wish = Some(self.request.choice.wish).filter(Wish::is_any)?;
@@ -169,7 +180,7 @@ impl Prepared {
             fragments: request.counts,
             // An error is measured of every bit.
             stop: if self.wish().is_some() { Stop::Exact } else { request.stop },
-            factors: request.factors,
+            factors: Factors { radius: self.radius_factor() * request.factors.radius, ..request.factors },
             max_error: request.max_error,
             spread: request.spread,
             detail: request.detail.unwrap_or(scene.detail),
@@ -179,7 +190,13 @@ impl Prepared {
 
     /// Returns the metadata of an image by a method on a device.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
-        output::tags(&self.request.name, method, &self.assembled.scene.settings, device, self.request.wanted.seed)
+        let Scene { settings, image, .. } = &self.assembled.scene;
+        let mut tags = output::tags(&self.request.name, method, settings, device, self.request.wanted.seed);
+        if self.request.scene.image.background == Background::Auto {
+            let name = if image.background.color() == Vec3::ONE { "white" } else { "black" };
+            tags.push(("pellucid:background".to_owned(), name.to_owned()));
+        }
+        tags
     }
 
     /// Returns the metadata that holds the camera of an image.

@@ -227,7 +227,7 @@ impl Session {
         let Scene { method, image, .. } = self.prepared.scene();
         let asked = Decided {
             method: *method,
-            background: image.background,
+            background: image.background.color(),
             frame,
             see_through: self.prepared.see_through(),
             wish,
@@ -279,7 +279,7 @@ impl Session {
         let subject = ChoiceFrame {
             arranged: prepared.assembled.arranged(),
             frame: *frame,
-            background: prepared.scene().image.background,
+            background: prepared.scene().image.background.color(),
             only: request.only.as_deref(),
         };
         let choice = choice::choose(device, &mut uploaded.cloud, &subject, wish, request.recalibrate, progress)?;
@@ -457,7 +457,7 @@ impl Session {
         metadata.push(prepared.camera_metadata());
         metadata.extend(own);
         WriteOptions {
-            background: scene.image.background,
+            background: scene.image.background.color(),
             color: scene.image.color_space(),
             transparent: false,
             metadata,

@@ -102,13 +102,19 @@ pub fn entry(key: &Key, extent: ControlExtent) -> Option<KeyControl> {
         (_, Slider::Lengths(..)) => Setting::Number(significant(key.start * extent.diagonal)),
         _ => Setting::Number(key.start),
     };
-    let on = key.value.is_some();
-    let presence = match (key.without, key.rival) {
+    // A word in place of such a value is what a switch leaves.
+    let word = match (key.kind, &key.value) {
+        (ValueKind::WordOr(word, _), Some(Setting::Word(own))) if own == word => Some(word),
+        _ => None,
+    };
+    let given = key.value.clone().filter(|_| word.is_none());
+    let on = given.is_some();
+    let presence = match (word.unwrap_or(key.without), key.rival) {
         ("", _) => Presence::Always,
         (_, Some(_)) => Presence::Rival { on },
         (without, None) => Presence::Optional { on, without: without.to_owned() },
     };
-    Some(KeyControl { control, value: key.value.clone().unwrap_or(start), presence, about: key.about })
+    Some(KeyControl { control, value: given.unwrap_or(start), presence, about: key.about })
 }
 
 fn control(kind: ValueKind, slider: Slider, extent: ControlExtent) -> Option<Control> {

@@ -54,7 +54,7 @@ impl SceneImage<'_> {
     /// Composes pixels over the background, as many as the scene says, row by row: values of the color space in force.
     pub fn composed(&self, rgba: &[[f32; 4]]) -> Vec<[f32; 3]> {
         let image = &self.scene.image;
-        let background = pellucid_io::output::background(image.background, image.color_space());
+        let background = pellucid_io::output::background(image.background.color(), image.color_space());
         let pixels = parallel::map_each(rgba, |rgba| Image::over(*rgba, background));
         if self.is_coarse() { enlarge(&pixels, self.size, image.size) } else { pixels }
     }
@@ -85,7 +85,7 @@ impl ScreenEncoder {
         let showing = Showing {
             image: image.size,
             picture: wanted.size,
-            background: wanted.background,
+            background: wanted.background.color(),
             color: wanted.color_space(),
             blue_first: self.blue_first,
         };

@@ -158,6 +158,15 @@ impl SceneRenderer {
         assembled.legend_of(scene, sources)
     }
 
+    /// Returns a scene with what the clouds on the device decide about it.
+    pub fn settled(&self, scene: &Scene) -> Scene {
+        let mut settled = scene.clone();
+        if let Some(placed) = &self.placed {
+            placed.session.assembled().settle(&mut settled);
+        }
+        settled
+    }
+
     /// Takes an image back whose memory the next one may have.
     pub fn recycle(&mut self, image: pellucid_core::image::Image) {
         if let Some(placed) = &mut self.placed {

@@ -312,7 +312,8 @@ impl WorkerState {
         let legend = legend.then(|| legends.of_scene(scene, || stage.legend(scene))).transpose()?;
         let (whole, draft) = (taken.is_whole(), taken.name());
         let image = &taken.rendered.image;
-        let shown = SceneImage { size: [image.width, image.height], scene };
+        let settled = self.stage.settled(scene);
+        let shown = SceneImage { size: [image.width, image.height], scene: &settled };
         let refinement = Refinement {
             name: draft.clone(),
             ms: taken.rendered.profile.wall.as_secs_f64() * 1e3,
@@ -362,7 +363,8 @@ impl WorkerState {
     fn supply(&mut self, scene: &Scene, pose: Pose) -> Result<()> {
         let Some(size) = self.unread.take().filter(|_| self.history.is_of(scene, pose)) else { return Ok(()) };
         if let Some(rgba) = self.stage.renderer().read_colors()? {
-            self.history.supply(SceneImage { size, scene }.composed(&rgba));
+            let settled = self.stage.settled(scene);
+            self.history.supply(SceneImage { size, scene: &settled }.composed(&rgba));
         }
         Ok(())
     }
@@ -374,7 +376,8 @@ impl WorkerState {
         if let (Some(whole), Some(Exactness::Approximation(method))) = (whole, exactness) {
             self.supply(&whole.scene, whole.pose)?;
             let rendered = self.stage.exact(&whole.scene, whole.pose, &whole.frame, method)?;
-            let image = SceneImage { size: [rendered.image.width, rendered.image.height], scene: &whole.scene };
+            let settled = self.stage.settled(&whole.scene);
+            let image = SceneImage { size: [rendered.image.width, rendered.image.height], scene: &settled };
             let exact = image.composed(&rendered.image.rgba);
             self.stage.recycle(rendered.image);
             self.history.measure(&whole.scene, whole.pose, method.name(), &exact);

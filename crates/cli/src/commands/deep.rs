@@ -115,7 +115,7 @@ pub fn run(format: DeepFormat, device: &DeviceArgs, prepared: Prepared, output: 
 
 fn layout(DeepFormat { order, numbers, packing }: DeepFormat, session: &Session) -> DeepLayout {
     let mut metadata = session.prepared.metadata(session.frame.method.name(), &session.device.info().name);
-    let found = session.found.map(|found| found.json(&session.scene().clouds));
+    let found = session.found.map(|found| found.json(&session.scene().clouds, session.frame.factors.radius));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     metadata.push(session.prepared.camera_metadata());
     DeepLayout {

@@ -47,7 +47,7 @@ impl Popped {
         let frame = Frame { camera: session.frame.camera, ..self.frame };
         let exact = self.renderer.render(&mut session.uploaded.cloud, &frame)?;
         session.device.check_validation()?;
-        let background = session.scene().image.background;
+        let background = session.scene().image.background.color();
         let linear = |image: &Image| -> LinearImage { output::linear(image, background, frame.color) };
         self.follower.add(&linear(&exact.image), &linear(image));
         self.renderer.recycle(exact.image);

@@ -110,7 +110,7 @@ fn caption(along: &Along, session: &Session) -> Caption {
         points: session.uploaded.cloud.total(),
         method,
         closed: along.is_closed(),
-        background: session.scene().image.background,
+        background: session.scene().image.background.color(),
         metadata: session.prepared.metadata(method, &session.device.info().name),
     }
 }
@@ -274,8 +274,13 @@ fn identities(job: &RenderJob, cameras: &[StatedCamera], session: &Session) -> V
         // Other values may have the same colors.
         written.push_str(&format!(" {:?} {legend:?}", job.args.legend));
     }
-    let whole =
-        identity::hash(prepared.assembled.arranged(), &frame, prepared.scene().image.background, &written, info);
+    let whole = identity::hash(
+        prepared.assembled.arranged(),
+        &frame,
+        prepared.scene().image.background.color(),
+        &written,
+        info,
+    );
     let count = cameras.len();
     let one = |(number, camera): (usize, &StatedCamera)| {
         // Debug output of floats is exact.

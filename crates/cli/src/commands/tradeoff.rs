@@ -211,7 +211,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     }
     let shadows = scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
     let frame = Frame { shading, shadows, detail: Default::default(), factors, ..prepared.frame() };
-    let background = scene.image.background;
+    let background = scene.image.background.color();
     let (arranged, scene) = (prepared.assembled.arranged(), prepared.request.name.as_str());
     let subject = MeasuredScene { arranged, frame, background, scene, cameras: &cameras };
     progress.counted("tradeoff", 1);

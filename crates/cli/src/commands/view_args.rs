@@ -41,7 +41,8 @@ pub struct ViewArgs {
     /// Axis that points up in the image, as in y or -z.
     ///
     /// Default: camera.up of the scene file; else Z. PLY files have Y up, except those in survey coordinates and those
-    /// whose shape shows that Z is up. PLY and PCD files of a depth camera have −Y up.
+    /// whose shape shows that Z is up. PLY and PCD files of a depth camera have −Y up. Of flat clouds the axis is up
+    /// along which they are flattest.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = axis, help_heading = CAMERA)]
     up: Option<Vertical>,
     /// Use an orthographic camera.

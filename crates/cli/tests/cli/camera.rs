@@ -74,7 +74,7 @@ fn wrong_guesses_are_noted() {
         return;
     }
     let folder = folder();
-    write_grid(&folder, "a.xyz", [20, 3, 20]);
+    write_grid(&folder, "a.xyz", [20, 9, 20]);
     let noted = |options: &[&str]| run(&folder, &[&["render", "a.xyz"], &SMALL[..], options].concat()).2;
     let note = noted(&[]);
     assert!(note.contains("z is assumed to be up") && note.contains("--up y or --up -y"), "{note}");
@@ -108,6 +108,33 @@ fn the_vertical_of_a_ply_file_that_lies_is_z() {
     for up in ["y", "z"] {
         let (note, asked) = picture("a.ply", &["--up", up]);
         assert!((asked == lying) == (up == "z") && !note.contains("which axis is up"), "{up}: {note}");
+    }
+}
+
+#[test]
+fn flat_clouds_of_any_format_lie() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_grid(&folder, "a.xyz", [40, 3, 40]);
+    write_grid(&folder, "b.csv", [3, 40, 40]);
+    let positions = fs::read_to_string(inside(&folder, "a.xyz")).unwrap();
+    let header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4800\nHEIGHT 1\nDATA ascii\n";
+    fs::write(inside(&folder, "c.pcd"), format!("{header}{positions}")).unwrap();
+    let picture = |file: &str, options: &[&str]| {
+        let args = [&["render", file], &SMALL[..], options].concat();
+        let (status, _, stderr) = run(&folder, &args);
+        assert_eq!(status, 0, "{stderr}");
+        (stderr, read_image(&inside(&folder, "a.png")).unwrap().pixels)
+    };
+    for (file, axis) in [("a.xyz", "y"), ("b.csv", "x"), ("c.pcd", "y")] {
+        let (note, lying) = picture(file, &[]);
+        let wanted = format!("{axis} is assumed, since its points are flattest along {axis} (--up z changes that)");
+        assert!(note.contains(&wanted), "{note}");
+        let (note, asked) = picture(file, &["--up", axis]);
+        assert!(asked == lying && !note.contains("is assumed"), "{note}");
+        assert!(picture(file, &["--up", "z"]).1 != lying);
     }
 }
 

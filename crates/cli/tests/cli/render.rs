@@ -7,7 +7,7 @@ use std::path::Path;
 use exr::prelude::{AttributeValue, Text, read_first_flat_layer_from_file};
 use pellucid_io::output::read_image;
 
-use crate::{builtin, done, folder, has_device, inside};
+use crate::{builtin, done, folder, has_device, inside, run};
 
 /// Keys of the metadata, in the order of the interface.
 const KEYS: [&str; 6] = ["scene", "method", "settings", "device", "version", "seed"];
@@ -255,6 +255,66 @@ fn the_default_scene_is_the_garden_that_scene_writes() {
     assert_eq!(settings[0], settings[1]);
     let colors: std::collections::BTreeSet<_> = embedded.chunks(3).collect();
     assert!(colors.len() > 300, "a picture and not a plane: {} colors", colors.len());
+}
+
+/// A grid of 20 × 20 points of this gray in a file.
+fn write_gray(folder: &Path, name: &str, gray: u8) {
+    let points = (0..400).map(|i| format!("{} {} 0 {gray} {gray} {gray}\n", i % 20, i / 20));
+    let colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let places = "property float x\nproperty float y\nproperty float z\n";
+    let header = format!("ply\nformat ascii 1.0\nelement vertex 400\n{places}{colors}end_header\n");
+    fs::write(folder.join(name), header + &points.collect::<String>()).unwrap();
+}
+
+#[test]
+fn dark_clouds_lie_on_white_and_others_on_black() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    // sRGB 40 is 0.021 in linear light, 70 is 0.061.
+    write_gray(folder.path(), "dark.ply", 40);
+    write_gray(folder.path(), "bright.ply", 70);
+    fs::write(folder.path().join("s.toml"), "[[cloud]]\npath = 'dark.ply'\n").unwrap();
+    fs::write(folder.path().join("auto.toml"), "image = { background = 'auto' }\n[[cloud]]\npath = 'dark.ply'\n")
+        .unwrap();
+    let corner = |args: &[&str]| {
+        let (status, _, stderr) = run(&folder, &[&["render", "-v", "--size", "48x32", "-o", "a.png"], args].concat());
+        assert_eq!(status, 0, "{stderr}");
+        let (_, bytes, mut tags) = png(&inside(&folder, "a.png"));
+        let said = stderr.contains("the background is white").then_some("white");
+        let said = said.or(stderr.contains("the background is black").then_some("black"));
+        assert_eq!(tags.remove("pellucid:background").as_deref(), said, "{args:?}");
+        (bytes[0], said)
+    };
+    for (args, wanted) in [
+        (&["dark.ply"] as &[&str], (255, Some("white"))),
+        (&["bright.ply"], (0, Some("black"))),
+        (&["dark.ply", "bright.ply", "bright.ply"], (0, Some("black"))),
+        (&["dark.ply", "--color-by", "uniform"], (0, Some("black"))),
+        (&["bright.ply", "--set", "cloud.*.color=[0.01, 0.01, 0.01]"], (255, Some("white"))),
+        (&["dark.ply", "--background", "black"], (0, None)),
+        (&["s.toml"], (0, None)),
+        (&["s.toml", "--background", "auto"], (255, Some("white"))),
+        (&["auto.toml"], (255, Some("white"))),
+        // Only the dark ones are drawn.
+        (
+            &[
+                "dark.ply",
+                "bright.ply",
+                "bright.ply",
+                "--set",
+                "cloud.1.translate=[0, 0, 50]",
+                "--set",
+                "cloud.2.translate=[0, 0, 50]",
+                "--slice",
+                "z=..9",
+            ],
+            (255, Some("white")),
+        ),
+    ] {
+        assert_eq!(corner(args), wanted, "{args:?}");
+    }
 }
 
 #[test]

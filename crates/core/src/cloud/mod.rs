@@ -9,6 +9,7 @@ pub mod filter;
 pub mod gaussians;
 mod parts;
 pub mod sampling;
+pub mod sensor;
 pub mod shadow_texture;
 #[doc(hidden)]
 pub mod upright;
@@ -23,6 +24,7 @@ use crs::Crs;
 use field::Field;
 use filter::Filter;
 use gaussians::Gaussians;
+use sensor::Sensor;
 use shadow_texture::ShadowTexture;
 
 /// Names of a classification, in lower case.
@@ -54,6 +56,8 @@ pub fn same_scalar(a: &str, b: &str) -> bool {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UpAxis {
+    /// Clouds that are flattest along X.
+    X,
     /// Models (PLY): +Y is up.
     #[default]
     Y,
@@ -68,6 +72,7 @@ impl UpAxis {
     /// Returns the unit vector that points up.
     pub fn direction(self) -> DVec3 {
         match self {
+            Self::X => DVec3::X,
             Self::Y => DVec3::Y,
             Self::Z => DVec3::Z,
             Self::NegativeY => DVec3::NEG_Y,
@@ -109,6 +114,10 @@ pub struct Cloud {
     pub up_reason: Option<&'static str>,
     /// The coordinate reference system that the file states.
     pub crs: Option<Arc<Crs>>,
+    /// `true` as long as `up` is but the convention of a format.
+    pub up_is_convention: bool,
+    /// The sensor of a cloud that was seen from one place.
+    pub sensor: Option<Sensor>,
     /// Data that `pellucid prepare` stored with the points, if they are unchanged since then.
     pub prepared: Option<Prepared>,
     /// Oddities of the file that did not prevent reading it, one sentence each.

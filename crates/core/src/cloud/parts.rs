@@ -41,6 +41,8 @@ impl Cloud {
             up: self.up,
             up_reason: self.up_reason,
             crs: self.crs.clone(),
+            up_is_convention: self.up_is_convention,
+            sensor: self.sensor,
             prepared,
             warnings: self.warnings.clone(),
         }

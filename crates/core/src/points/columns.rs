@@ -134,6 +134,7 @@ impl Points {
             return;
         }
         let (before, added) = (self.len(), more.len());
+        self.sensor = self.sensor.filter(|own| added == 0 || more.sensor == Some(*own));
         self.normals = match (self.normals.take(), more.normals) {
             (None, None) => None,
             (own, other) => {

@@ -65,6 +65,7 @@ impl Points {
         let [count, unseen] = [count, unseen].map(|count| usize::try_from(count).unwrap_or(usize::MAX));
         // In the order of the bytes.
         let points = Self {
+            sensor: None,
             positions: taken(bytes, count)?,
             colors: taken_column(bytes, count)?,
             opacities: taken_column(bytes, count)?,

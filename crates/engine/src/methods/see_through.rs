@@ -41,13 +41,17 @@ impl OpacityFactor {
         (self.transmittance - share).abs() <= TOLERANCE
     }
 
-    /// Returns the metadata of an image, `{factor, opacities, transmittance}`.
-    pub fn json(&self, clouds: &[CloudSettings]) -> Value {
-        json!({
+    /// Returns the metadata of an image, `{factor, opacities, transmittance}`, with `radius_factor` unless that is 1.
+    pub fn json(&self, clouds: &[CloudSettings], radius_factor: f32) -> Value {
+        let mut about = json!({
             "factor": self.factor,
             "opacities": opacities(self.factor, clouds),
             "transmittance": self.transmittance,
-        })
+        });
+        if radius_factor != 1.0 {
+            about["radius_factor"] = json!(radius_factor);
+        }
+        about
     }
 }
 

@@ -18,6 +18,7 @@ use pellucid_core::progress::Progress;
 
 use super::columns::Columns;
 use super::crs;
+use super::grid::the_only;
 use super::number::long;
 use super::{Error, InputFile, PROGRESS_STEP, decoder};
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -107,7 +108,7 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
     progress.set_length(clouds.iter().map(|cloud| cloud.records).sum());
     let mut columns = Columns::new(&table.columns)
         .map_err(|missing| Problem::new("E57 data", format!("no coordinate `{missing}`")))?;
-    let (mut row, mut limits) = (Vec::new(), Vec::new());
+    let (mut row, mut limits, mut sensors) = (Vec::new(), Vec::new(), Vec::new());
     for (number, cloud) in numbers.iter().zip(&clouds) {
         let name = cloud.name.as_ref().map_or(String::new(), |name| format!(" ({name:?})"));
         let place = |index: u64| format!("scan {number}{name}, point {index} of {}", cloud.records);
@@ -123,12 +124,14 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
             }
         }
         limits.push(scan.limits(first..columns.stored().len()));
+        sensors.push(scan.sensor());
     }
     let stored = columns.stored();
     stored.colors.iter_mut().for_each(|colors| limits::scale_colors(colors, &limits));
     stored.intensity.iter_mut().for_each(|values| limits::scale_intensities(values, &limits));
     let mut cloud = columns.finish();
-    (cloud.up, cloud.crs) = (UpAxis::Z, crs.map(Arc::new));
+    (cloud.up, cloud.up_is_convention) = (UpAxis::Z, true);
+    (cloud.sensor, cloud.crs) = (the_only(&sensors), crs.map(Arc::new));
     let left_out = |name| format!("`{name}` is left out: not every scan has it");
     cloud.warnings.extend(table.left_out.iter().map(left_out));
     Ok(cloud)

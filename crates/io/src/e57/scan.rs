@@ -7,6 +7,8 @@ use ::e57::{PointCloud, RecordDataType, RecordName, RecordValue};
 use glam::{DQuat, DVec3};
 
 use super::limits::{Limits, ScanLimits};
+use pellucid_core::cloud::sensor::Sensor;
+
 use crate::columns::{Column, ScalarType, is_known};
 
 /// The columns that all scans share; the first ones are always there.
@@ -115,6 +117,8 @@ pub(super) struct Scan<'a> {
     intensity_state: Option<Field<'a>>,
     /// Fields and their columns.
     scalars: Vec<(Field<'a>, usize)>,
+    /// `true` if the points were seen from the scan's origin: the file has its pose, its grid, or directions.
+    is_seen: bool,
     /// A row of a scan that has nothing.
     empty: Vec<f64>,
 }
@@ -157,6 +161,10 @@ impl<'a> Scan<'a> {
             intensity_limits: intensity.map(|field| intensity_limits(scan, field)),
             intensity_state: find(&RecordName::IsIntensityInvalid),
             scalars: scan.prototype.iter().enumerate().filter_map(scalar).collect(),
+            is_seen: scan.transform.is_some()
+                || spherical.is_some()
+                || find(&RecordName::RowIndex).is_some()
+                || find(&RecordName::ColumnIndex).is_some(),
             empty: empty(table),
         })
     }
@@ -196,6 +204,12 @@ impl<'a> Scan<'a> {
 }
 
 impl Scan<'_> {
+    /// Returns the scanner; `None` if the points may come from anywhere.
+    pub fn sensor(&self) -> Option<Sensor> {
+        let sensor = Sensor::laser(self.translation, self.rotation);
+        (self.is_seen && self.translation.is_finite()).then_some(sensor)
+    }
+
     /// Returns the limits that the scan claims for its points.
     pub fn limits(&self, points: Range<usize>) -> ScanLimits {
         ScanLimits { points, color: self.color_limits, intensity: self.intensity_limits }

@@ -170,6 +170,7 @@ impl Columns {
             non_finite: self.non_finite,
             withheld: self.withheld.len(),
             up: UpAxis::Z,
+            up_is_convention: true,
             ..Cloud::default()
         }
     }

@@ -2,6 +2,8 @@
 //! is the direction of view, so that −Y is up (the optical frame of the Robot Operating System's REP 103, and of PCL's
 //! grabbers).
 
+use crate::grid::Line;
+
 /// Stride of the points that the sums count.
 const STEP: u64 = 7;
 
@@ -41,39 +43,16 @@ impl DepthImage {
 
     /// Returns `true` if the points lie where a depth camera sees them.
     pub fn is_one(&self) -> bool {
-        self.possible && self.columns.fits() && self.rows.fits()
+        self.possible && fits(&self.columns) && fits(&self.rows)
     }
 }
 
-/// Sums of a line's least squares.
-#[derive(Default)]
-struct Line {
-    count: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
-}
-
-impl Line {
-    fn add(&mut self, x: f64, y: f64) {
-        self.count += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xx += x * x;
-        self.xy += x * y;
-        self.yy += y * y;
-    }
-
-    /// Returns `true` if y rises with x and the residue is small.
-    fn fits(&self) -> bool {
-        let Self { count, x, y, xx, xy, yy } = *self;
-        let (sxx, sxy, syy) = (xx - x * x / count, xy - x * y / count, yy - y * y / count);
-        let slope = sxy / sxx;
-        let residue = ((syy - slope * sxy) / count).max(0.0).sqrt();
-        count >= FEWEST && sxx > 0.0 && slope > 0.0 && residue <= NEAR * slope
-    }
+/// Returns `true` if y rises with x and the residue is small.
+fn fits(line: &Line) -> bool {
+    let [sxx, sxy, syy] = line.squares();
+    let slope = sxy / sxx;
+    let residue = ((syy - slope * sxy) / line.count()).max(0.0).sqrt();
+    line.count() >= FEWEST && sxx > 0.0 && slope > 0.0 && residue <= NEAR * slope
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::io::{BufRead, Read};
 
+use glam::{DQuat, DVec3};
+
 use crate::columns::ScalarType;
 use crate::number::{Class, NumberType};
 use crate::{Error, InputFile};
@@ -54,6 +56,8 @@ pub(super) struct Header {
     pub points: u64,
     /// Columns of an organized cloud: an image, row by row.
     pub columns: Option<u64>,
+    /// Place and rotation of the sensor; `None` if the file has a line about them that can't be used.
+    pub viewpoint: Option<(DVec3, DQuat)>,
     pub encoding: Encoding,
     /// Bytes up to and including the line `DATA`.
     pub len: u64,
@@ -83,6 +87,7 @@ struct Lines {
     width: Option<u64>,
     height: Option<u64>,
     points: Option<u64>,
+    viewpoint: Option<Option<(DVec3, DQuat)>>,
     encoding: Option<Encoding>,
 }
 
@@ -113,8 +118,8 @@ impl Lines {
         let Some(key) = words.next().filter(|key| !key.starts_with('#')) else { return Ok(()) };
         let words: Vec<&str> = words.collect();
         match key.to_ascii_uppercase().as_str() {
-            // The origin or viewpoint of the file; it doesn't move its points.
-            "VERSION" | "VIEWPOINT" => {}
+            "VERSION" => {}
+            "VIEWPOINT" => self.viewpoint = Some(viewpoint(&words)),
             "FIELDS" | "COLUMNS" => self.names = Some(words.iter().map(|&name| name.to_owned()).collect()),
             "SIZE" => self.sizes = Some(all(&words, "1, 2, 4 or 8 for each field", size)?),
             "TYPE" => self.classes = Some(all(&words, "F, I or U for each field", class)?),
@@ -171,8 +176,19 @@ impl Lines {
         };
         let fields = fields.map(field).collect::<Result<_, _>>()?;
         let columns = self.width.filter(|_| self.height.is_some_and(|height| height > 1));
-        Ok(Header { fields, points, columns, encoding: self.encoding.unwrap_or(Encoding::Ascii), len, lines })
+        let viewpoint = self.viewpoint.unwrap_or(Some((DVec3::ZERO, DQuat::IDENTITY)));
+        let encoding = self.encoding.unwrap_or(Encoding::Ascii);
+        Ok(Header { fields, points, columns, viewpoint, encoding, len, lines })
     }
+}
+
+/// The sensor's place and rotation, three numbers and w, x, y, z of a quaternion; `None` of anything else.
+fn viewpoint(words: &[&str]) -> Option<(DVec3, DQuat)> {
+    let numbers: Vec<f64> = words.iter().map(|word| word.parse().ok()).collect::<Option<_>>()?;
+    let [tx, ty, tz, w, x, y, z] = numbers.try_into().ok()?;
+    let (place, rotation) = (DVec3::new(tx, ty, tz), DQuat::from_xyzw(x, y, z, w));
+    let length = rotation.length();
+    (place.is_finite() && length.is_normal()).then_some((place, rotation / length))
 }
 
 fn all<T>(words: &[&str], expected: &str, parse: impl Fn(&str) -> Option<T>) -> Result<Vec<T>, String> {

@@ -2,8 +2,8 @@
 //!
 //! Fields have the names of PLY's properties. `rgb` and `rgba` of four bytes are packed colors whatever their type,
 //! since the float only carries the bits. Colors of other types than bytes share a common range. A group of `COUNT`
-//! numbers becomes as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` is not applied, because it
-//! only tells where the points were seen from.
+//! numbers becomes as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` moves no point: it tells where
+//! the sensor of an organized cloud stood.
 
 mod depth_image;
 mod header;
@@ -12,14 +12,17 @@ mod row;
 
 use std::io::{BufRead, ErrorKind, Read};
 
+use glam::{DQuat, DVec3};
 use pellucid_core::progress::Progress;
 
 use super::columns::Columns;
+use super::grid::Elevations;
 use super::number::word;
 use super::{Error, InputFile, PROGRESS_STEP};
 use depth_image::DepthImage;
 use header::{Encoding, Header};
 use pellucid_core::cloud::depth_camera::is_depth_camera;
+use pellucid_core::cloud::sensor::Sensor;
 use pellucid_core::cloud::{Cloud, UpAxis};
 use row::PcdLayout;
 
@@ -43,12 +46,16 @@ pub(super) fn read(source: &mut InputFile, progress: &Progress) -> Result<Cloud,
     progress.set_length(header.points);
     let place =
         ["x", "y", "z"].map(|name| layout.columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)));
-    let mut image = header.columns.map(DepthImage::new);
+    let (mut image, mut seen) = (header.columns.map(DepthImage::new), Seen::new(&header));
     let mut taken = 0u64;
     let take = |row: &[f64]| {
         columns.push(row);
         if let (Some(image), [Some(x), Some(y), Some(z)]) = (&mut image, place) {
-            image.add([x, y, z].map(|at| row[at]));
+            let point = [x, y, z].map(|at| row[at]);
+            image.add(point);
+            if let Some(seen) = &mut seen {
+                seen.add(taken, point.into());
+            }
         }
         taken += 1;
         if taken.is_multiple_of(PROGRESS_STEP) {
@@ -64,7 +71,52 @@ pub(super) fn read(source: &mut InputFile, progress: &Progress) -> Result<Cloud,
     let mut cloud = columns.finish();
     let is_image = image.is_some_and(|image| image.is_one()) || is_depth_camera(&cloud.positions);
     cloud.up = if is_image { UpAxis::NegativeY } else { UpAxis::Z };
+    cloud.up_is_convention = !is_image;
+    cloud.sensor = seen.map(|seen| seen.sensor());
     Ok(cloud)
+}
+
+/// The cells of an organized cloud, as its sensor has them.
+struct Seen {
+    columns: u64,
+    place: DVec3,
+    rotation: DQuat,
+    image: DepthImage,
+    /// The cells as if the sensor was not turned.
+    unturned: DepthImage,
+    elevations: Elevations,
+}
+
+impl Seen {
+    /// Returns `None` for clouds that are not organized, and without a sensor.
+    fn new(header: &Header) -> Option<Self> {
+        let (columns, (place, rotation)) = (header.columns?, header.viewpoint?);
+        let [image, unturned] = [(); 2].map(|()| DepthImage::new(columns));
+        Some(Self { columns, place, rotation, image, unturned, elevations: Elevations::default() })
+    }
+
+    /// Adds the point of a cell, finite or not.
+    fn add(&mut self, cell: u64, point: DVec3) {
+        let unturned = point - self.place;
+        self.unturned.add(unturned.into());
+        let point = self.rotation.inverse() * unturned;
+        self.image.add(point.into());
+        self.elevations.add(cell / self.columns.max(1), point);
+    }
+
+    /// Returns a depth camera, unless rows lie as those of a laser scanner. Grabbers of PCL write a rotation that their
+    /// points don't have.
+    fn sensor(&self) -> Sensor {
+        if self.image.is_one() {
+            Sensor::depth_camera(self.place, self.rotation)
+        } else if self.unturned.is_one() {
+            Sensor::depth_camera(self.place, DQuat::IDENTITY)
+        } else if self.elevations.follow_rows() {
+            Sensor::laser(self.place, self.rotation)
+        } else {
+            Sensor::depth_camera(self.place, self.rotation)
+        }
+    }
 }
 
 /// Compares the claimed number of points with the bytes that follow the header.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use pellucid_core::cloud::depth_camera::is_depth_camera;
-use pellucid_core::cloud::upright::reason_for_z;
+use pellucid_core::cloud::upright::{flattest, reason_for_z};
 use pellucid_core::cloud::{Bounds, UpAxis};
 
 /// The words of a comment that states the vertical.
@@ -43,7 +43,8 @@ pub(crate) fn step(points: u64) -> usize {
 
 /// Returns the vertical of points in a box, some of which are given: Y, as of models, but Z of what stands far from the
 /// origin along X and Y alone, as surveys do whose coordinates are eastings, northings and heights, −Y in the frame of
-/// a depth camera, and Z where only then the shape lies or stands as things do, with the reason.
+/// a depth camera, the axis along which points are flattest, and Z where only then the shape stands as things do, with
+/// the reason.
 pub(crate) fn vertical(bounds: &Bounds, sample: &[DVec3]) -> (UpAxis, Option<&'static str>) {
     let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
     let surveyed =
@@ -53,6 +54,11 @@ pub(crate) fn vertical(bounds: &Bounds, sample: &[DVec3]) -> (UpAxis, Option<&'s
     }
     if is_depth_camera(sample) {
         return (UpAxis::NegativeY, None);
+    }
+    match flattest(sample) {
+        Some((UpAxis::Y, _)) => return (UpAxis::Y, None),
+        Some((up, reason)) => return (up, Some(reason)),
+        None => {}
     }
     let reason = reason_for_z(sample);
     (if reason.is_some() { UpAxis::Z } else { UpAxis::Y }, reason)

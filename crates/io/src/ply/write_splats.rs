@@ -32,7 +32,8 @@ pub(super) fn write(out: &mut impl Write, cloud: &Cloud, gaussians: &Gaussians) 
     let filter = cloud.filter.map(|filter| format!("SplatRenderMode: {}", filter.name()));
     // −Y is what readers assume.
     let up = match cloud.up {
-        UpAxis::NegativeY => None,
+        // The comment has no word for X.
+        UpAxis::NegativeY | UpAxis::X => None,
         UpAxis::Y => Some("y"),
         UpAxis::Z => Some("z"),
     };

@@ -33,6 +33,7 @@ pub(super) fn fitted(cloud: Cloud, like: &Cloud) -> Cloud {
         up: like.up,
         up_reason: like.up_reason,
         crs: like.crs.clone(),
+        up_is_convention: like.up_is_convention,
         ..Cloud::default()
     }
 }

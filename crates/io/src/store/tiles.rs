@@ -114,6 +114,7 @@ pub(super) fn like(all: &[&Summary]) -> Cloud {
         up: first.up,
         up_reason: first.up_reason,
         crs: shared_crs(all).ok().flatten(),
+        up_is_convention: first.up_is_convention,
         warnings: warnings(all, prepared.is_some(), keeps_radii),
         prepared,
         ..Cloud::default()

@@ -59,6 +59,6 @@ pub(super) fn read(
         TextFormat::Ptx => ptx::read(source, names, progress)?,
         TextFormat::Table | TextFormat::Pts => table::read(source, kind == TextFormat::Pts, names, progress)?,
     };
-    cloud.up = UpAxis::Z;
+    (cloud.up, cloud.up_is_convention) = (UpAxis::Z, true);
     Ok(cloud)
 }

@@ -4,15 +4,17 @@
 //! the matrix repeats) and four lines of a matrix that maps row vectors to the common coordinates: (x y z 1) · M. Then
 //! each cell has x y z, or 0 0 0 for cells without a return; and intensity, color, or both.
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 use pellucid_core::progress::Progress;
 
 use super::lines::{Fields, Lines};
 use super::names::{ColumnNames, UsedColumns, of_scanners};
 use super::table::LEAST_LINE;
 use crate::columns::Columns;
+use crate::grid::{Elevations, the_only};
 use crate::{Error, InputFile, PROGRESS_STEP};
 use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::sensor::Sensor;
 
 /// The values of a row, common to all scans; missing ones are NaN.
 const ALL: usize = 7;
@@ -27,12 +29,12 @@ pub(super) fn read(source: &mut InputFile, given: Option<&ColumnNames>, progress
     let mut table = Columns::new(&columns)
         .map_err(|missing| lines.source.malformed("columns", format!("no column `{missing}`")))?;
     let (mut line, mut values, mut row) = (String::new(), Vec::new(), Vec::new());
-    let mut total = 0;
+    let (mut total, mut sensors) = (0, Vec::new());
     while lines.next(&mut line)? {
         let scan = Scan::read(&mut lines, &mut line)?;
         total += scan.cells;
         progress.set_length(total);
-        let mut layout = None;
+        let (mut layout, mut elevations) = (None, Elevations::default());
         for index in 0..scan.cells {
             if !lines.next(&mut line)? {
                 let what = format!(
@@ -52,15 +54,19 @@ pub(super) fn read(source: &mut InputFile, given: Option<&ColumnNames>, progress
             } else {
                 spread(&values, &mut row);
             }
-            let place = scan.place(DVec3::new(row[x], row[y], row[z]));
+            let point = DVec3::new(row[x], row[y], row[z]);
+            elevations.add(index % scan.rows.max(1), point);
+            let place = scan.place(point);
             (row[x], row[y], row[z]) = place.into();
             table.push(&row);
             if (index + 1).is_multiple_of(PROGRESS_STEP) {
                 progress.inc(PROGRESS_STEP);
             }
         }
+        sensors.push(scan.sensor().filter(|_| elevations.follow_rows()));
     }
-    Ok(without_blank_intensity(table.finish()))
+    let cloud = without_blank_intensity(table.finish());
+    Ok(Cloud { sensor: the_only(&sensors), ..cloud })
 }
 
 /// Drops the intensity if no scan has it.
@@ -106,6 +112,8 @@ struct Scan {
     /// The line that it starts at.
     line: u64,
     cells: u64,
+    /// Cells of a column, from the bottom to the top.
+    rows: u64,
     /// Takes column vectors to the common coordinates.
     matrix: DMat4,
 }
@@ -136,7 +144,17 @@ impl Scan {
         })?;
         let [a, b, c, d] = axes;
         // The lines are rows of a matrix for row vectors: columns of one for column vectors.
-        Ok(Self { line: start, cells, matrix: DMat4::from_cols(a, b, c, d) })
+        Ok(Self { line: start, cells, rows, matrix: DMat4::from_cols(a, b, c, d) })
+    }
+
+    /// Returns the scanner in the common coordinates; `None` if the matrix is no pose.
+    fn sensor(&self) -> Option<Sensor> {
+        let axes = DMat3::from_mat4(self.matrix);
+        let [x, z] = [axes.x_axis.try_normalize()?, axes.z_axis.try_normalize()?];
+        let y = z.cross(x).try_normalize()?;
+        let rotation = DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y)));
+        let position = self.matrix.w_axis.truncate();
+        (position.is_finite() && rotation.is_finite()).then(|| Sensor::laser(position, rotation))
     }
 
     /// A point in the common coordinates; NaN where nothing came back.

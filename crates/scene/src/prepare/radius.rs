@@ -68,7 +68,7 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), distances: Vec<f64
 }
 
 /// Returns the middle one of some values, of an even number the mean of the two middle ones; 0 for none.
-pub(super) fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let half = values.len() / 2;
     if values.is_empty() {
         return 0.0;

@@ -14,7 +14,7 @@ settings! {
     pub struct CameraSettings {
         /// Position of the camera; ignored if a view is requested.
         eye: Option<DVec3> = None, in Vectors::Any, unit "world units",
-            without "the whole scene in view; inside a room that is scanned on all sides";
+            without "the whole scene in view; where the sensor of all points stood; inside a room that is scanned on all sides";
         /// Point that the camera looks at; ignored if a view is requested.
         target: Option<DVec3> = None, in Vectors::Any, unit "world units", without "the middle of the scene";
         /// Direction that points up in the image; a requested view uses the nearest axis.

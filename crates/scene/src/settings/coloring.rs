@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::schema::{ValueKind, Word, settings, value, words};
 use crate::setting::Setting;
 use crate::table::Table;
+use crate::tree;
 use pellucid_core::color::colormap::Colormap;
 use pellucid_io::LasColumns;
 
@@ -14,14 +15,46 @@ settings! {
         color_by: ColorBy = ColorBy::Auto;
         /// Colors of values, from the lowest to the highest.
         colormap: ColormapName = ColormapName::Viridis;
-        /// Values of the first and the last color; gps-time in seconds since the first point.
-        range: Option<[f64; 2]> = None, without "percentiles 1 and 99 of the cloud's finite values";
+        /// Values of the first and the last color; gps-time in seconds since the first point; `drawn`: percentiles of
+        /// drawn points.
+        range: Option<ColorRange> = None, without "percentiles 1 and 99 of the cloud's finite values";
         /// Reverse the colormap.
         reverse: bool = false;
         /// Use a logarithmic scale; values of 0 or less are gray.
         log: bool = false;
     }
     check check;
+}
+
+/// `range` of a `[[cloud]]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ColorRange {
+    /// Percentiles 1 and 99 of the points that are drawn, after classes, clips and outliers that are dropped.
+    Drawn,
+    /// The values of the first and the last color.
+    Between([f64; 2]),
+}
+
+impl ColorRange {
+    /// Returns the values, if they are given.
+    pub fn ends(self) -> Option<[f64; 2]> {
+        match self {
+            Self::Drawn => None,
+            Self::Between(ends) => Some(ends),
+        }
+    }
+}
+
+value! {
+    ColorRange => ValueKind::WordOr("drawn", &ValueKind::Other("`[low, high]`"));
+    |table, key| match table.get(key).map(|node| &node.value) {
+        Some(tree::Value::String(_)) => table.choice(key, &[("drawn", ColorRange::Drawn)]),
+        _ => Ok(table.range(key)?.map(ColorRange::Between)),
+    };
+    |range| match range {
+        ColorRange::Drawn => Some(Setting::from("drawn")),
+        ColorRange::Between(ends) => ends.setting(),
+    };
 }
 
 words! {
@@ -162,7 +195,8 @@ value! {
 
 /// Refuses a logarithm of what has none, and notes keys without effect.
 fn check(settings: &mut ColorSettings, table: &Table<'_>) -> Result<(), Error> {
-    if let (Some([low, _]), Some(node), true) = (settings.range, table.get("range"), settings.log)
+    if let (Some([low, _]), Some(node), true) =
+        (settings.range.and_then(ColorRange::ends), table.get("range"), settings.log)
         && low <= 0.0
     {
         let problem = format!("must begin above 0 with log = true, found {low:?}");

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::assemble::{self, CloudScope, Known, given_radius, radius, transformed};
+use super::super::assemble::{self, CloudScope, Known, given_radius, radius, transformed, upright_note};
 use super::super::classes;
 use super::super::clip::Clips;
 use super::super::coloring::Coloring;
@@ -15,7 +15,7 @@ use super::survey::OpenStore;
 use crate::prepare;
 use crate::supply::Block;
 use pellucid_core::cloud::facts::Facts;
-use pellucid_core::cloud::{Bounds, Cloud};
+use pellucid_core::cloud::{Bounds, Cloud, UpAxis, upright};
 use pellucid_core::points::{Points, WholeSplats};
 use pellucid_core::progress::Progress;
 use pellucid_io as io;
@@ -38,6 +38,8 @@ pub(super) struct StoredCloud {
     index: usize,
     pub facts: Facts,
     known: Known,
+    /// Note that the vertical was guessed.
+    pub up_note: Option<String>,
     /// Points of the clouds before it.
     first: u64,
     /// Bounding box of the cloud in the scene.
@@ -72,14 +74,18 @@ impl StoredCloud {
             return Err(Error::Unprepared { path: settings.path.clone(), what }.into());
         }
         let field = request.unscaled_field(like);
-        let (StoreSurvey { facts, sample }, range) = opened.survey(settings, field.as_ref(), progress)?;
+        let (StoreSurvey { facts, mut sample }, range) = opened.survey(settings, field.as_ref(), progress)?;
+        // As of a cloud that is read as a whole.
+        upright::lay(&mut sample);
+        let up_note = upright_note(scene, &sample);
         let bounds = facts.bounds.unwrap_or(store.summary().bounds);
         let field_error = |source| Error::Field { path: settings.path.clone(), source };
         let found = prepare::of_part(&sample, &request, bounds, range).map_err(field_error)?;
-        let coloring = Coloring::of_sample(scene, index, &sample, &facts);
+        let mut coloring = Coloring::of_sample(scene, index, &sample, &facts);
+        coloring.count_drawn(clips, None)?;
         legend.add(&coloring, clips, found.fields.as_deref(), None)?;
         let (scales, described) = (coloring.scales(found.fields.as_deref())?, coloring.describe());
-        let known = Known { scales, request, bounds, range, has_normals: facts.has_normals };
+        let known = Known { scales, up: sample.up, request, bounds, range, has_normals: facts.has_normals };
         // Without one of their own, points have none here, whatever is stored.
         let has_own = known.request.radii && like.radii.is_some() || like.own_radii().is_some();
         let drawn = gaussians::are_drawn(scene, settings, like);
@@ -112,6 +118,7 @@ impl StoredCloud {
             splats: None,
             is_transparent,
             coloring: described,
+            up_note,
         };
         let points = cloud.transformed(scene, clips, sample, &[])?;
         cloud.splats = points.gaussians.as_ref().map(|all| WholeSplats {
@@ -121,6 +128,11 @@ impl StoredCloud {
             brightest: cloud.facts.brightest_splats[all.degree as usize].max(gaussians::display(brightest)),
         });
         Ok((cloud, points))
+    }
+
+    /// Returns the vertical.
+    pub fn up(&self) -> UpAxis {
+        self.known.up
     }
 
     /// Returns `true` if any point has a normal.

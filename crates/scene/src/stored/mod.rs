@@ -32,7 +32,7 @@ use crate::prepare::{Arranged, Supplied, order};
 use crate::supply::{Block, Branch, Failure, Keep, Supply};
 use pellucid_core::cloud::gaussians::Gaussians;
 use pellucid_core::cloud::sampling::Sampling;
-use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
 use pellucid_core::color::ColorSpace;
 use pellucid_core::parallel;
 use pellucid_core::points::{Anchor, Points, Spheres, WholeScene, WholeSplats};
@@ -181,6 +181,8 @@ impl Stored {
             let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;
             first += cloud.facts.points;
             anchors.push(Anchor::new(&own.sampled().copied().collect::<Vec<_>>(), cloud.bounds()));
+            let path = scene.clouds[index].path.display();
+            notes.extend(cloud.up_note.iter().map(|note| format!("{path}: {note}")));
             clouds.push(cloud);
             sample.append(own);
         }
@@ -275,12 +277,17 @@ impl Stored {
 
     /// Returns the vertical of most clouds.
     pub fn up(&self) -> UpAxis {
-        most_frequent(self.nodes.clouds.iter().map(|cloud| cloud.store.summary().up))
+        most_frequent(self.nodes.clouds.iter().map(StoredCloud::up))
     }
 
     /// Returns `true` if points have other classes than 0 and 1, which say that nothing was classified.
     pub fn is_classified(&self) -> bool {
         self.nodes.clouds.iter().any(|cloud| (2..=u8::MAX).any(|code| cloud.facts.has_class(code)))
+    }
+
+    /// Returns clouds without points that have the columns of the scene's.
+    pub fn likes(&self) -> impl Iterator<Item = &Cloud> {
+        self.nodes.clouds.iter().map(|cloud| &cloud.store.summary().like)
     }
 
     /// Returns how clouds are colored and why, a phrase for each.

@@ -3,8 +3,10 @@
 use glam::Vec3;
 use pellucid_core::progress::Progress;
 
+use super::super::clip::Clips;
 use super::super::coloring::{ColorKey, Coloring, Colors};
 use super::super::error::Error;
+use super::super::settings::Outliers;
 use crate::prepare::outliers::Rule;
 use crate::prepare::{self, FieldKey, RadiusKey, Request, ShadingNormals};
 use pellucid_core::cloud::Cloud;
@@ -66,12 +68,19 @@ impl DerivedColumns {
     ///
     /// # Errors
     /// The cloud lacks what its colors are to show.
-    pub(super) fn learn_colors(&mut self, coloring: &Coloring<'_>, key: &ColorKey) -> Result<(), Error> {
+    pub(super) fn learn_colors(
+        &mut self,
+        mut coloring: Coloring<'_>,
+        key: &ColorKey,
+        clips: &Clips,
+    ) -> Result<(), Error> {
         if self.colors.as_ref().is_some_and(|(known, _)| known == key) {
             return Ok(());
         }
         // Freed first, as above.
         self.colors = None;
+        let rule = coloring.settings.strays.rule(Outliers::Drop);
+        coloring.count_drawn(clips, rule.and_then(|rule| self.dropped(rule)))?;
         self.colors = Some((key.clone(), coloring.colors(self.fields())?));
         Ok(())
     }

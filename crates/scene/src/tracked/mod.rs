@@ -212,6 +212,7 @@ impl CloudView<'_> {
             radii: parallel::map(count, |i| self.radius(i)),
             normals: assemble::shown(self.normals.map(<[Vec3]>::to_vec)),
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
+            sensor: assemble::sensor(self.settings, self.cloud),
             ..Points::default()
         };
         points.gaussians = self.gaussians.map(|all| {
@@ -231,7 +232,7 @@ fn learn(
     derived: &mut [DerivedColumns],
     progress: &Progress,
 ) -> Result<Vec<ColumnKey>, Error> {
-    let method = &scene.method;
+    let (method, clips) = (&scene.method, Clips::load(&scene.clips)?);
     let each = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow)).zip(derived).enumerate();
     let column_key =
         |(index, ((settings, cloud), derived)): (usize, ((&CloudSettings, &Cloud), &mut DerivedColumns))| {
@@ -241,8 +242,8 @@ fn learn(
             request.forgo_shapes(gaussians::are_drawn(scene, settings, cloud));
             let found = derived.learn(cloud, &request, progress);
             found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
-            let color = coloring.key(&request);
-            derived.learn_colors(&coloring, &color)?;
+            let color = coloring.key(&request, &scene.clips);
+            derived.learn_colors(coloring, &color, &clips)?;
             let neighbors = request.uncapped.then(|| request.neighbors_of(cloud));
             let estimated = request.radii.then(|| request.radius_key(cloud));
             Ok(ColumnKey {
@@ -296,7 +297,9 @@ pub fn legend(scene: &Scene, clouds: &[impl Borrow<Cloud>], derived: &[DerivedCo
     for (index, (cloud, derived)) in clouds.iter().map(Borrow::borrow).zip(derived).take(scene.clouds.len()).enumerate()
     {
         let dropped = scene.clouds[index].strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
-        legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields(), dropped)?;
+        let mut coloring = Coloring::of(scene, index, cloud);
+        coloring.count_drawn(&clips, dropped)?;
+        legend.add(&coloring, &clips, derived.fields(), dropped)?;
     }
     Ok(legend)
 }

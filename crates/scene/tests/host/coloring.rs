@@ -261,3 +261,31 @@ fn white_and_black_splats_keep_their_colors() {
         }
     }
 }
+
+#[test]
+fn a_range_of_drawn_points_has_their_percentiles() {
+    // Classes 2 from 0 to 100, and a tower of class 6 up to 1000.
+    let value = |i: usize| if i < 101 { i as f32 } else { 1000.0 };
+    let values: Vec<f32> = (0..151).map(value).collect();
+    let codes = (0..151).map(|i| if i < 101 { 2 } else { 6 }).collect();
+    let a = Cloud { scalars: vec![("dose".into(), values.clone())], classification: Some(codes), ..cloud(151) };
+    let all: Vec<f64> = values.iter().map(|v| f64::from(*v)).collect();
+    let by = "color_by = 'dose'\ncolormap = 'grey'\n";
+    let wanted = |of: &[f64], shown: &[f64]| -> Vec<DVec3> {
+        let (low, high) = (percentile(of, 0.01), percentile(of, 0.99));
+        shown.iter().map(|v| DVec3::splat(decode(t(*v, low, high)))).collect()
+    };
+    let shown = |keys: &str, count: usize| colors(&format!("{by}{keys}"), a.clone())[..count].to_vec();
+    let hidden = "[[cloud.class]]\nid = 6\nvisible = false\n";
+    assert_close(&shown(&format!("range = 'drawn'\n{hidden}"), 101), &wanted(&all[..101], &all[..101]));
+    assert_close(&shown(hidden, 101), &wanted(&all, &all[..101]));
+    // Nothing is hidden, or everything else.
+    assert_close(&shown("range = 'drawn'", 151), &wanted(&all, &all));
+    // Positions run along x.
+    let clip = "[[clip]]\nslab = { axis = 'x', max = 50.0 }\n";
+    assert_close(&shown(&format!("range = 'drawn'\n{clip}"), 51), &wanted(&all[..51], &all[..51]));
+    let outer = format!("range = 'drawn'\ntranslate = [10, 0, 0]\n{clip}");
+    assert_close(&shown(&outer, 41), &wanted(&all[..41], &all[..41]));
+    let error = Scene::from_toml("[[cloud]]\npath = 'a'\nrange = 'seen'", "s.toml".as_ref()).unwrap_err();
+    assert!(error.to_string().contains("`cloud.0.range` must be"), "{error}");
+}

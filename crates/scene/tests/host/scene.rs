@@ -35,7 +35,10 @@ fn overridden(text: &str, pairs: &[&str]) -> Result<Scene, Error> {
 #[test]
 fn defaults_are_those_of_the_contract() {
     let scene = read(CLOUD).unwrap();
-    assert_eq!(scene.image, ImageSettings { size: [1024, 1024], background: Vec3::ZERO, color: None });
+    assert_eq!(
+        scene.image,
+        ImageSettings { size: [1024, 1024], background: Background::Color(Vec3::ZERO), color: None }
+    );
     assert_eq!(scene.method, MethodChoice::default());
     assert_eq!(scene.shading, Shading::default());
     let cloud = &scene.clouds[0];

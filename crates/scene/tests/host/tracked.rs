@@ -8,7 +8,8 @@ use pellucid_core::progress::Progress;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::tracked::{DerivedColumns, Tracked};
 use pellucid_scene::{
-    ClassSettings, Clip, ClipShape, ColorBy, Discs, Method, Outliers, Scene, Selection, Soft, Spbr, SpbrSimplified,
+    ClassSettings, Clip, ClipShape, ColorBy, ColorRange, Discs, Method, Outliers, Scene, Selection, Soft, Spbr,
+    SpbrSimplified,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -98,7 +99,9 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         // Positions beyond float64 are dropped.
         21 => cloud.scale = one_of(r, &[1.0, 2.0, 1.7e308]),
         22..25 => cloud.coloring.color_by = one_of(r, &colorings),
-        25 => cloud.coloring.range = one_of(r, &[None, Some([0.25, 0.5])]),
+        25 => {
+            cloud.coloring.range = one_of(r, &[None, Some(ColorRange::Drawn), Some(ColorRange::Between([0.25, 0.5]))])
+        }
         26..28 => cloud.class = (0..r.random_range(0..3)).map(|_| entry(r)).collect(),
         34 => cloud.surface_opacity = one_of(r, &[None, Some(0.3), Some(0.6)]),
         35 => cloud.strays.radius_cap = one_of(r, &[None, Some(0.0), Some(1.0)]),

@@ -9,7 +9,7 @@ use crate::controls::{self, KeyControl, Presence, short_number};
 use crate::legend;
 use crate::model::Model;
 use crate::statistics::Statistics;
-use pellucid_scene::{Change, CloudSettings, ColorBy, Setting};
+use pellucid_scene::{Change, CloudSettings, ColorBy, ColorRange, Setting};
 
 /// The cloud that the section is about; `None` for all.
 type Target = Option<usize>;
@@ -131,7 +131,9 @@ fn ends(model: &Model, cloud: usize) -> Option<[f64; 2]> {
 fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
     let key = key_of(target, "range");
     let given = settings.coloring.range;
-    let Some([low, high]) = given.or_else(|| ends(model, target.unwrap_or(0))) else { return };
+    let Some([low, high]) = given.and_then(ColorRange::ends).or_else(|| ends(model, target.unwrap_or(0))) else {
+        return;
+    };
     let speed = 0.005 * (high - low).abs().max(f64::MIN_POSITIVE);
     let shown = shown_decimals((high - low).abs());
     let mut ends = [low, high];

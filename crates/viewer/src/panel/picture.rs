@@ -12,7 +12,9 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     let image = model.scene().image;
     for (key, label) in [("background", "background"), ("color", "blended in")] {
         let mut entry = controls::find(image.keys(), key).and_then(|key| controls::entry(&key, model.extent()));
-        if let Some(KeyControl { presence: Presence::Optional { without, on: false }, .. }) = &mut entry {
+        if let (Some(KeyControl { presence: Presence::Optional { without, on: false }, .. }), "color") =
+            (&mut entry, key)
+        {
             color_space(model).clone_into(without);
         }
         row(ui, model, &format!("image.{key}"), label, entry);

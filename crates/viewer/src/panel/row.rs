@@ -98,8 +98,9 @@ fn switch(
     let response = note(model, &format!("{key}?"), response);
     let clicked = if radio { response.clicked() && !was } else { response.changed() };
     explained(response, about);
-    // Switched on again, it is as it was, but for methods, whose keys depend on each other, and for several clouds.
-    let returns = !key.starts_with("method.") && !key.contains('*') && model.opened_has(key);
+    // Switched on again, it is as it was, but for methods, whose keys depend on each other, and for several clouds. The
+    // scene that was opened may say that it is off.
+    let returns = model.is_changed(key) && !key.starts_with("method.") && !key.contains('*') && model.opened_has(key);
     let on = if returns { Edit::Reset } else { Edit::Set(start.clone()) };
     let edit = if was { Edit::Remove } else { on };
     (was, clicked.then_some(edit))

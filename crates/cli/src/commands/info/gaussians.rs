@@ -46,6 +46,7 @@ pub fn text(splats: &Gaussians, cloud: &Cloud) -> String {
         ColorCoding::Each(_) => ", some colors linear",
     };
     let up = match cloud.up {
+        UpAxis::X => "x",
         UpAxis::Y => "y",
         UpAxis::Z => "z",
         UpAxis::NegativeY => "-y",

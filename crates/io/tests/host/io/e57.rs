@@ -3,8 +3,9 @@
 use std::io::Cursor;
 
 use e57::{E57Writer, Extension, Quaternion, Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use pellucid_core::cloud::UpAxis;
+use pellucid_core::cloud::sensor::Sensor;
 use pellucid_core::color::decode_srgb;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -251,4 +252,25 @@ fn random_damage_never_panics() {
         refused += usize::from(load(&folder.file("damaged", file)).is_err());
     }
     assert!(refused > 50, "only {refused} damaged files were refused");
+}
+
+#[test]
+fn a_file_with_one_scan_position_has_its_scanner() {
+    let of = |scans: Vec<Scan>| load_bytes("any", write(scans)).unwrap().sensor;
+    let turned = || Scan { pose: Some(quarter_turn()), ..plain([[1.0, 2.0, 3.0]]) };
+    let place = DVec3::new(100.0, 200.0, 300.0);
+    for scans in [vec![turned()], vec![turned(), turned()]] {
+        let sensor = of(scans).unwrap();
+        assert_eq!((sensor.position, sensor.turns), (place, true));
+        assert!(sensor.forward.distance(DVec3::Y) < 1e-15 && sensor.up.distance(DVec3::Z) < 1e-15, "{sensor:?}");
+    }
+    // Two positions, and points that may come from anywhere.
+    let elsewhere = Transform { translation: Translation { x: 0.0, y: 0.0, z: 1.0 }, ..quarter_turn() };
+    assert_eq!(of(vec![turned(), Scan { pose: Some(elsewhere), ..plain([[1.0; 3]]) }]), None);
+    assert_eq!(of(vec![plain([[1.0, 2.0, 3.0]])]), None);
+    // The grid of a scanner without a pose.
+    let prototype = [xyz(), vec![integer(RecordName::RowIndex, 0, 10)]].concat();
+    let point = [doubles([1.0, 2.0, 3.0]), vec![RecordValue::Integer(4)]].concat();
+    let grid = Scan { prototype, pose: None, points: vec![point] };
+    assert_eq!(of(vec![grid]), Some(Sensor::laser(DVec3::ZERO, DQuat::IDENTITY)));
 }

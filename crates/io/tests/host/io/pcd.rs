@@ -1,7 +1,8 @@
 //! PCD files by hand: the three ways to store points, and every oddity.
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use pellucid_core::cloud::UpAxis;
+use pellucid_core::cloud::sensor::Sensor;
 use pellucid_core::color::decode_srgb;
 
 use super::{assert_refused, load_bytes};
@@ -209,4 +210,41 @@ fn truncated_and_lying_payloads() {
     assert_refused("a.pcd", file(&count, "binary", &rows), &["COUNT gives a point 1000000002 numbers"]);
     let none = lines(5).replace("TYPE", "COUNT 0 0 0\nTYPE");
     assert_refused("a.pcd", file(&none, "binary", &rows), &["announces 5 points"]);
+}
+
+/// An organized file of 40 × 30 points with this line about its sensor.
+fn organized(viewpoint: &str, place: impl Fn(f64, f64) -> DVec3) -> Vec<u8> {
+    let points = (0..30).flat_map(|row| (0..40).map(move |column| (f64::from(row), f64::from(column))));
+    let text: String =
+        points.map(|(row, column)| place(row, column)).map(|p| format!("{} {} {}\n", p.x, p.y, p.z)).collect();
+    let lines =
+        format!("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 40\nHEIGHT 30\n{viewpoint}POINTS 1200\n");
+    file(&lines, "ascii", text.as_bytes())
+}
+
+#[test]
+fn organized_clouds_have_the_sensor_of_their_viewpoint() {
+    let depth = |row: f64, column: f64| DVec3::new(column - 19.5, row - 14.5, 30.0) * (0.1 + 0.01 * (column % 3.0));
+    let of = |file: Vec<u8>| load_bytes("any", file).unwrap().sensor;
+    assert_eq!(of(organized("", depth)), Some(Sensor::depth_camera(DVec3::ZERO, DQuat::IDENTITY)));
+    // A half turn about z; quaternions need not have length 1.
+    let (place, turn) = (DVec3::new(1.0, -2.0, 3.5), DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0));
+    let turned = organized("VIEWPOINT 1 -2 3.5 0 0 0 2\n", |row, column| place + turn * depth(row, column));
+    assert_eq!(of(turned), Some(Sensor::depth_camera(place, turn)));
+    // A half turn about x, as PCL's grabbers write it beside points that are not turned.
+    let legacy = organized("VIEWPOINT 0 0 0 0 1 0 0\n", depth);
+    assert_eq!(of(legacy), Some(Sensor::depth_camera(DVec3::ZERO, DQuat::IDENTITY)));
+    let laser = |row: f64, column: f64| {
+        let (azimuth, elevation) = ((9.0 * column).to_radians(), (10.0 - row).to_radians());
+        DVec3::new(azimuth.cos(), azimuth.sin(), elevation.tan()) * (5.0 + row % 4.0)
+    };
+    assert_eq!(of(organized("", laser)), Some(Sensor::laser(DVec3::ZERO, DQuat::IDENTITY)));
+    let moved = organized("VIEWPOINT 1 -2 3.5 1 0 0 0\n", |row, column| place + laser(row, column));
+    assert_eq!(of(moved), Some(Sensor::laser(place, DQuat::IDENTITY)));
+    // No rotation, no numbers, too few of them, and a cloud that is not organized.
+    for line in ["VIEWPOINT 1 2 3 0 0 0 0\n", "VIEWPOINT nan 2 3 1 0 0 0\n", "VIEWPOINT 1 2 3\n"] {
+        assert_eq!(of(organized(line, depth)), None, "{line}");
+    }
+    let flat = String::from_utf8(organized("", depth)).unwrap().replace("WIDTH 40\nHEIGHT 30", "WIDTH 1200\nHEIGHT 1");
+    assert_eq!(of(flat.into_bytes()), None);
 }

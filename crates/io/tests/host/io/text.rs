@@ -213,6 +213,26 @@ fn head(columns: &str, rows: &str) -> String {
 }
 
 #[test]
+fn a_ptx_file_with_one_scan_position_has_its_scanner() {
+    // Five columns of four rows that rise along z.
+    let grid = |turned: bool| {
+        let cells = (0..5).flat_map(|column| (0..4).map(move |row| (column, row)));
+        let cell = |(column, row)| if turned { format!("5 {row} {column}\n") } else { format!("5 {column} {row}\n") };
+        cells.map(cell).collect::<String>()
+    };
+    let of = |text: String| load_bytes("a.ptx", text).unwrap().sensor;
+    let scan = head("5", "4") + &grid(false);
+    for text in [scan.clone(), scan.clone() + &scan] {
+        let sensor = of(text).unwrap();
+        assert_eq!((sensor.position, sensor.turns), (DVec3::new(10.0, 20.0, 30.0), true));
+        assert!(sensor.forward.distance(DVec3::Y) < 1e-12 && sensor.up.distance(DVec3::Z) < 1e-12, "{sensor:?}");
+    }
+    assert_eq!(of(scan.clone() + &scan.replace("10 20 30 1", "10 20 31 1")), None, "two positions");
+    assert_eq!(of(head("5", "4") + &grid(true)), None, "no grid of a scanner");
+    assert_eq!(of(scan.replace("0 0 1 0\n10", "0 0 0 0\n10")), None, "no pose");
+}
+
+#[test]
 fn ptx() {
     let one = head("2", "2") + "1 2 3 0.5 255 0 0\n0 0 0 0.5 0 0 0\n-0 0 0.0 0 0 0 0\n4 5 6 0.25 0 0 255\n";
     let cloud = load_bytes("a.ptx", &one).unwrap();

@@ -84,7 +84,7 @@ fn drafts_lie_where_the_whole_picture_does() {
             let whole = stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
             assert!(whole.is_whole() && whole.name() == "whole" || whole.draft.steps.is_some(), "{method}");
             let picture = blurred(&composed(&stage, &whole, &scene));
-            let background = vec![scene.image.background.to_array(); picture.len()];
+            let background = vec![scene.image.background.color().to_array(); picture.len()];
             for (work, name, step) in drafts {
                 let what = format!("{method}, {name}");
                 let taken = draft(&mut stage, &scene, Effort::Moving, *work);
