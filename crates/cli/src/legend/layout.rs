@@ -25,7 +25,7 @@ const COLUMN: f32 = 15.0;
 /// Color bars in lines of text, from the best to the least.
 const BAR_LINES: [u32; 4] = [10, 8, 6, 5];
 
-/// The same number where nothing else helps.
+/// Lines of a color bar where nothing else helps.
 const SHORT_BAR: u32 = 3;
 
 /// The least single colors of an entry that are shown before the rest is only counted.

@@ -1,6 +1,6 @@
 use super::*;
 
-/// As PDAL writes NAD83 / Texas South Central in US survey feet, with heights in meters.
+/// Text of PDAL for NAD83 / Texas South Central in US survey feet, with heights in meters.
 const COMPOUND_1: &str = r#"COMPD_CS["NAD83 / Texas South Central (ftUS) + NAVD88",PROJCS["NAD83 / Texas South Central (ftUS)",
   GEOGCS["NAD83",DATUM["North_American_Datum_1983",SPHEROID["GRS 1980",6378137,298.257222101,AUTHORITY["EPSG","7019"]]],
     PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],AUTHORITY["EPSG","4269"]],

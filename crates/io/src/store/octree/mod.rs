@@ -301,7 +301,7 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     // A file may claim any number, and those of several files are added.
     like.non_finite = about.as_ref().map_or(0, |about| about.non_finite.min(MOST_DROPPED) as usize);
     like.filter = about.as_ref().and_then(|about| Filter::named(about.filter.as_deref()?));
-    // What PotreeConverter writes there is mostly a definition of PROJ, which says nothing here.
+    // PotreeConverter mostly writes a definition of PROJ there, which says nothing here.
     let of_projection = || crate::crs::parse(&metadata.projection);
     let crs = match about {
         Some(about) => about.crs.clone().map(Crs::checked),

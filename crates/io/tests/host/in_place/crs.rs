@@ -87,7 +87,7 @@ fn records_of_las_name_the_system() {
         // Where both are there, the header says which counts.
         (vec![feet(), text(UTM)], vec![], true, utm),
         (vec![text(UTM), feet()], vec![], false, ("EPSG:2278", [Some("US survey foot"), None])),
-        // What can't be read is no system.
+        // Records that can't be read are no system.
         (vec![text("PROJCS[\"cut"), feet()], vec![], true, ("EPSG:2278", [Some("US survey foot"), None])),
         (vec![text(&"A[".repeat(30_000))], vec![], true, ("", [None; 2])),
         (vec![record(2112, [0xff; 80])], vec![], true, ("", [None; 2])),
