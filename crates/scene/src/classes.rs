@@ -154,8 +154,8 @@ pub(super) fn possible_radii(entries: &[ClassSettings], facts: &Facts) -> (Vec<f
     let (mut others, mut has_classes) = (false, false);
     for code in (0..=u8::MAX).filter(|code| facts.has_class(*code)) {
         has_classes = true;
-        let about = entries.iter().rev().filter(|entry| entry.points.holds_class(code));
-        match about.filter_map(|entry| entry.radius).next() {
+        let mut about = entries.iter().rev().filter(|entry| entry.points.holds_class(code));
+        match about.find_map(|entry| entry.radius) {
             Some(radius) => found.push(radius),
             None => others = true,
         }
