@@ -9,8 +9,8 @@ use crate::prepare::radius::median;
 /// The median luminance below which points are dark on black, linear.
 const DARK: f64 = 0.05;
 
-/// Returns `true` if the median relative luminance (ITU-R BT.709) of the colors of drawn points is below 0.05, of clouds
-/// with many points that of a sample. Neither the order of the points nor where they are kept affects it.
+/// Returns `true` if the median relative luminance (ITU-R BT.709) of the colors of drawn points is below 0.05, of
+/// clouds with many points that of a sample. Neither the order of the points nor where they are kept affects it.
 pub fn are_dark(points: &Points) -> bool {
     let mut luminances: Vec<f64> = points.sampled_colors().map(luminance).collect();
     // Where nearly all points are in one place, the sample may hold none.
@@ -86,7 +86,7 @@ mod tests {
             assert_eq!(scene.image.background, Background::Color(color));
             assert_eq!(scene.settle_background(|| true), None, "settled once");
         }
-        // What is given stays, and a scene file has a black one.
+        // A given one stays, and a scene file has a black one.
         let mut given = named.clone();
         let mut scene = given.set("image.background", Setting::from([0.0; 3])).unwrap();
         assert_eq!(scene.settle_background(|| true), None);

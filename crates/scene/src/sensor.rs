@@ -21,12 +21,12 @@ const SECTORS: usize = 72;
 /// Sectors without points that leave a scanner a side where it saw nothing.
 const OPEN: usize = 6;
 
-/// Returns the settings of a camera in the place of the sensor that saw all of the points. `None` where the settings say
-/// anything of eye, target, view, lens or depths, without such a sensor, and where it stands far from the points or a
-/// depth camera does not face them.
+/// Returns the settings of a camera in the place of the sensor that saw all of the points. `None` where the settings
+/// say anything of eye, target, view, lens or depths, without such a sensor, and where it stands far from the points or
+/// a depth camera does not face them.
 ///
-/// The field of view holds all points. A scanner whose points lie aside from its forward axis is turned to their middle,
-/// and one with points all around keeps the default field of view.
+/// The field of view holds all points. A scanner whose points lie aside from its forward axis is turned to their
+/// middle, and one with points all around keeps the default field of view.
 pub(super) fn seen_from(
     settings: &CameraSettings,
     framed: &Framed<'_>,
@@ -77,7 +77,7 @@ impl Look {
         let slopes = |(position, _): (DVec3, f64)| {
             let p = position - self.position;
             let [x, y, z] = [right, self.up, self.forward].map(|axis| p.dot(axis));
-            // What lies in the sensor is seen in no direction.
+            // A point in the sensor is seen in no direction.
             if p == DVec3::ZERO {
                 return [0.0; 2];
             }
@@ -156,7 +156,7 @@ mod tests {
         a.distance(b) < 1e-9
     }
 
-    /// What a camera in the origin sees along +Z with slopes of up to 0.6 and 0.45.
+    /// Points that a camera in the origin sees along +Z with slopes of up to 0.6 and 0.45.
     fn image() -> Vec<DVec3> {
         let place = |i: i32, j: i32| DVec3::new(f64::from(i) * 0.03, f64::from(j) * 0.03, 1.0);
         let far = |i: i32, j: i32| 1.0 + f64::from((i + 2 * j).rem_euclid(7));

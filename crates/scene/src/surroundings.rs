@@ -205,7 +205,8 @@ pub(super) fn may_be_inside(settings: &CameraSettings) -> bool {
 }
 
 /// Returns notes about the camera that [`super::camera`] finds: that it stands where the sensor stood, or within the
-/// points, that another axis may be the vertical, and that there may be nothing to see because points have the color of the background.
+/// points, that another axis may be the vertical, and that there may be nothing to see because points have the color of
+/// the background.
 pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let settings = &scene.camera;
     let vertical = settings.vertical(up);

@@ -157,8 +157,8 @@ impl Prepared {
         self.request.see_through?.share(self.assembled.scene.method, self.assembled.is_classified)
     }
 
-    /// Returns the factor on the radii with which the discs of a sparse cloud stay apart in a picture that is to be seen
-    /// through; 1 of other clouds and pictures, and where anything is said of radii.
+    /// Returns the factor on the radii with which the discs of a sparse cloud stay apart in a picture that is to be
+    /// seen through; 1 of other clouds and pictures, and where anything is said of radii.
     pub fn radius_factor(&self) -> f32 {
         if self.see_through().is_none() || !self.assembled.has_estimated_radii() {
             return 1.0;

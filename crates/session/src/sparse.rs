@@ -12,9 +12,9 @@ const FINE: f64 = 1.0 / 160.0;
 /// The least factor: discs of about half the distance between neighbors, which hardly overlap.
 const LEAST: f64 = 0.45;
 
-/// Returns the factor on the radii with which the discs of a sparse cloud stay apart that are large in a picture of this
-/// height; 1 of those that are not, and of clouds with more than 12 000 points. It follows from the median radius of the
-/// drawn points before the camera, whatever their order.
+/// Returns the factor on the radii with which the discs of a sparse cloud stay apart that are large in a picture of
+/// this height; 1 of those that are not, and of clouds with more than 12 000 points. It follows from the median radius
+/// of the drawn points before the camera, whatever their order.
 pub(crate) fn radius_factor(points: &Points, camera: &Camera, height: u32) -> f32 {
     if points.count() > MOST {
         return 1.0;

@@ -85,8 +85,8 @@ pub struct InputArgs {
     colormap: Option<String>,
     /// Background color, as in white, "#80c0ff" or 0.1,0.1,0.1.
     ///
-    /// A CSS color, linear R,G,B with each from 0 to 1, or auto: black, or white where the points are dark. Default: the
-    /// scene file's, which is black if it gives none; without a scene file auto.
+    /// A CSS color, linear R,G,B with each from 0 to 1, or auto: black, or white where the points are dark. Default:
+    /// the scene file's, which is black if it gives none; without a scene file auto.
     #[arg(long, value_name = "COLOR", allow_hyphen_values = true, help_heading = APPEARANCE)]
     background: Option<String>,
     /// Opacity of one class, as in high-vegetation=0.05 or 5=0.05; repeatable.

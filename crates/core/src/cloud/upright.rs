@@ -115,7 +115,7 @@ mod tests {
         table
     }
 
-    /// As of a format with Y up.
+    /// Decides as for a format with Y up.
     fn is_z_up(positions: &[DVec3]) -> bool {
         flattest(positions).map_or(reason_for_z(positions).is_some(), |(up, _)| up == UpAxis::Z)
     }

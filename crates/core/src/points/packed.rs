@@ -154,6 +154,7 @@ mod tests {
             fields: vec![0.25, 0.75],
             gaussians: Some(gaussians),
             unseen: Unseen { positions: vec![DVec3::Z], radii: vec![2.0] }.into(),
+            sensor: None,
             whole: None,
         }
     }

@@ -2,8 +2,8 @@
 //!
 //! Fields have the names of PLY's properties. `rgb` and `rgba` of four bytes are packed colors whatever their type,
 //! since the float only carries the bits. Colors of other types than bytes share a common range. A group of `COUNT`
-//! numbers becomes as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` moves no point: it tells where
-//! the sensor of an organized cloud stood.
+//! numbers becomes as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` moves no point: it tells
+//! where the sensor of an organized cloud stood.
 
 mod depth_image;
 mod header;
