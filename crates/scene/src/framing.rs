@@ -33,8 +33,9 @@ const CLEARANCE: f64 = 0.1;
 /// as a sphere of its own radius, fits into the image with a margin of 5%. A given view overrides `eye` and `target`,
 /// and `up` then only defines the vertical axis; the clouds' vertical (the argument `up`) only counts without it. A
 /// scene whose points were all seen by one sensor is looked at from there, and one whose points surround its middle,
-/// as those of a room do, from within, unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z
-/// over the corners of the bounds: those of the framed points, or, with an `eye`, of all.
+/// as those of a room do, from within, unless anything is said of eye, target or view. Default depths: far =
+/// 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z over the corners of the bounds: those of the
+/// framed points, or, with an `eye`, of all.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
