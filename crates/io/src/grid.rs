@@ -80,7 +80,7 @@ mod tests {
         let wall = |row: f64, column: f64| DVec3::new(5.0, 0.3 * column - 4.5, 0.2 * row - 2.0);
         let ring =
             |row: f64, column: f64| DVec3::new(column.cos(), column.sin(), (0.02 * row - 0.3).tan()) * (5.0 + row);
-        assert!(of(&wall) && of(&ring) && of(&|row, column| ring(-row, column)));
+        assert!(of(&wall) && of(&ring) && of(&|row, column| ring(19.0 - row, column)));
         assert!(!of(&|row, column| DVec3::new(row, column, 9.0 + (row * column).sin())), "terrain from below");
         assert!(!of(&|row, column| DVec3::new(5.0, row, column)), "rows run along y");
         assert!(!of(&|_, _| DVec3::NAN) && !of(&|_, _| DVec3::ZERO));
