@@ -9,7 +9,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use glam::{DVec3, Vec3};
-use pellucid_core::camera::Camera;
+use pellucid_core::camera::{Camera, StatedCamera};
 use pellucid_core::color::encode_srgb;
 use pellucid_core::color::ticks::Tick;
 use pellucid_core::image::Image;
@@ -64,7 +64,7 @@ pub enum LegendPlace {
 
 /// Says, before anything is rendered by these cameras, where there will be no legend: since there is nothing to
 /// explain, or no room for it.
-pub fn check(prepared: &Prepared, cameras: &[Camera], place: Option<LegendPlace>, messages: &dyn Messages) {
+pub fn check(prepared: &Prepared, cameras: &[StatedCamera], place: Option<LegendPlace>, messages: &dyn Messages) {
     let (Some(legend), Some(place)) = (&prepared.assembled.legend, place) else { return };
     let size = prepared.scene().image.size;
     let fit = |camera: &Camera| LegendLayout::fit(legend, camera, size, place);

@@ -161,7 +161,7 @@ fn lengths_have_the_units_of_the_file() {
         (in_units(us_foot(), None), "color_by = 'height'\nscale = 0.3048006096", "height (m)", ["10 m"; 2]),
         (in_units(meter(), None), "color_by = 'dose'", "dose", ["10 m"; 2]),
     ] {
-        let (scene, headings, found) = with_units(&[system.clone()], &[keys]);
+        let (scene, headings, found) = with_units(std::slice::from_ref(&system), &[keys]);
         assert_eq!((headings, found), (vec![heading.to_owned()], bars.map(str::to_owned)), "{system:?} {keys}");
         assert_eq!(differing_units(&scene, &[system]), None);
     }

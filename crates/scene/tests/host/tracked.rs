@@ -100,7 +100,7 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         21 => cloud.scale = one_of(r, &[1.0, 2.0, 1.7e308]),
         22..25 => cloud.coloring.color_by = one_of(r, &colorings),
         25 => {
-            cloud.coloring.range = one_of(r, &[None, Some(ColorRange::Drawn), Some(ColorRange::Between([0.25, 0.5]))])
+            cloud.coloring.range = one_of(r, &[None, Some(ColorRange::Drawn), Some(ColorRange::Between([0.25, 0.5]))]);
         }
         26..28 => cloud.class = (0..r.random_range(0..3)).map(|_| entry(r)).collect(),
         34 => cloud.surface_opacity = one_of(r, &[None, Some(0.3), Some(0.6)]),
