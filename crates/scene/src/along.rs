@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::error::{Error, Place};
-use super::framed::Spheres;
+use super::framed::{FILL, Spheres};
 use super::framing::{self, Subject, ViewExtent};
 use super::scene::Scene;
 use super::settings::CameraSettings;
@@ -126,7 +126,7 @@ impl<'a> Course<'a> {
     /// or the projection is orthographic, or the eye is among the points.
     fn keeps_all(&self, start: &Camera, center: DVec3, axis: DVec3) -> bool {
         let Projection::Perspective { .. } = start.projection else { return true };
-        let tangents = framing::tangents(start.projection, self.scene.image.size) / framing::FILL;
+        let tangents = framing::tangents(start.projection, self.scene.image.size) / FILL;
         let axes = [start.right, start.up, start.forward];
         let extent = turned_extent(&Spheres { framed: self.subject.framed, center, axes }, tangents, axis);
         let distance = (center - start.eye).dot(start.forward);

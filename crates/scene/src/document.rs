@@ -86,7 +86,7 @@ impl Document {
         } else {
             scene.image
         };
-        Ok(Scene { image, ..scene })
+        Ok(Scene { image, names_clouds: self.names_clouds, ..scene })
     }
 
     /// Returns `true` of clouds without a scene file to which no background is given.

@@ -97,7 +97,7 @@ pub enum Error {
     #[error(
         "{path}: expected the camera of the picture in its metadata ({tag}), but {problem}; give a PNG or EXR that `render` \
          wrote (pictures of version 0.2.0 have no camera, and programs that edit pictures may drop it)",
-        path = path.display(), tag = super::pictured::CAMERA_TAG
+        path = path.display(), tag = io::output::CAMERA_TAG
     )]
     NoCamera { path: PathBuf, problem: String },
     /// Coordinates beyond what the camera can be computed for.

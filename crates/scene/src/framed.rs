@@ -9,6 +9,8 @@ use pellucid_core::cloud::Bounds;
 use pellucid_core::parallel;
 use pellucid_core::points::Points;
 
+/// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
+pub(super) const FILL: f64 = 0.95;
 /// Share of the points, at either end of an axis, that may be strays.
 const STRAYS: f64 = 0.02;
 /// Strays are farther from the other points than these extend, times this.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::broadest_side::broadest_side;
 use super::error::Error;
-use super::framed::{Framed, Spheres};
+use super::framed::{FILL, Framed, Spheres};
 use super::nothing_left::no_points;
 use super::range::MAX_COORDINATE;
 use super::scene::Scene;
@@ -19,9 +19,6 @@ use pellucid_core::points::Points;
 
 /// Vertical field of view if the scene doesn't say, in degrees.
 pub const DEFAULT_FOV_Y: f64 = 45.0;
-
-/// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
-pub(super) const FILL: f64 = 0.95;
 
 /// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
 const CLEARANCE: f64 = 0.1;

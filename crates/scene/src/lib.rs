@@ -72,7 +72,7 @@ pub use odd_sizes::odd_sizes;
 pub use open::{DEFAULT_SCENE, Input, Named, Opened, name, open};
 pub use overrides::Overrides;
 pub use overview::{Overview, overview};
-pub use pictured::{CAMERA_TAG, PictureCamera};
+pub use pictured::PictureCamera;
 pub use recipe::{Lighting, Recipe};
 pub use scene::Scene;
 pub use schema::{Key, Ladder, Range, Slider, ValueKind, Word, rounded};

@@ -61,7 +61,20 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     }
     let warnings = context.warnings.take();
     let json = root.value.to_json().to_string();
-    Ok(Scene { image, camera, shading, clouds: settings, clips, method, detail, shadows, warnings, settings: json })
+    let names_clouds = false;
+    Ok(Scene {
+        image,
+        camera,
+        shading,
+        clouds: settings,
+        clips,
+        method,
+        detail,
+        shadows,
+        names_clouds,
+        warnings,
+        settings: json,
+    })
 }
 
 /// Returns settings with what a table gives.

@@ -2,16 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use pellucid_io::output;
+use pellucid_io::output::{self, CAMERA_TAG};
 
 use super::error::Error;
 use super::parse;
 use super::settings::CameraSettings;
 use super::table::{Context, Table};
 use super::tree;
-
-/// The metadata that holds it: the keys of `[camera]` with which the picture was made, as TOML.
-pub const CAMERA_TAG: &str = "pellucid:camera";
 
 /// Bytes of such a text, at most; those of this program have less than 400.
 const MAX_BYTES: usize = 4096;

@@ -32,8 +32,19 @@ impl Recipe {
     /// Returns the recipe of a scene. `up` is the vertical of its clouds, and `has_gaussians` says if some of them are
     /// files of Gaussians.
     pub fn of(scene: &Scene, seed: u64, up: UpAxis, has_gaussians: bool) -> Self {
-        let Scene { image, camera, shading: _, clouds, clips, method, detail, shadows: _, warnings: _, settings: _ } =
-            scene;
+        let Scene {
+            image,
+            camera,
+            shading: _,
+            clouds,
+            clips,
+            method,
+            detail,
+            shadows: _,
+            names_clouds: _,
+            warnings: _,
+            settings: _,
+        } = scene;
         let ImageSettings { size: _, background: _, color } = image;
         Self {
             clouds: clouds.clone(),

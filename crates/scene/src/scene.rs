@@ -33,6 +33,8 @@ pub struct Scene {
     /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an
     /// opaque method.
     pub shadows: Option<Shadows>,
+    /// `true` of clouds without a scene file: their points decide what nothing is said of.
+    pub names_clouds: bool,
     /// Warnings about keys without effect, one sentence each.
     pub warnings: Vec<String>,
     /// The keys that were given, those of options included, as one JSON object: the image's `pellucid:settings`.

@@ -5,10 +5,8 @@ use std::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::framed::Framed;
-use super::framing::FILL;
+use super::framed::{FILL, Framed};
 use super::settings::CameraSettings;
-use super::surroundings::may_be_inside;
 use pellucid_core::cloud::Bounds;
 use pellucid_core::cloud::sensor::Sensor;
 
@@ -33,7 +31,7 @@ pub(super) fn seen_from(
     bounds: &Bounds,
     [width, height]: [u32; 2],
 ) -> Option<CameraSettings> {
-    let sensor = framed.points.sensor.filter(|_| may_be_inside(settings))?;
+    let sensor = framed.points.sensor.filter(|_| settings.leave_place_open())?;
     let distance = (sensor.position.clamp(bounds.min, bounds.max) - sensor.position).length();
     let diagonal = bounds.diagonal();
     if !distance.is_finite() || distance > FAR * diagonal || diagonal == 0.0 {

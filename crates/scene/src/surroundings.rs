@@ -190,18 +190,12 @@ fn stand(spread: &PointSpread, plan: &FloorPlan) -> Option<DVec3> {
 /// floor and ceiling, and walls around. `None` where the settings say anything of eye, target, view, lens or depths,
 /// and of other scenes.
 pub(super) fn inside(settings: &CameraSettings, framed: &Framed<'_>, vertical: Vertical) -> Option<CameraSettings> {
-    if !may_be_inside(settings) {
+    if !settings.leave_place_open() {
         return None;
     }
     let [eye, target] = PointSpread::of(framed, vertical)?.within()?;
     let up = settings.up.unwrap_or(vertical.up());
     Some(CameraSettings { eye: Some(eye), target: Some(target), up: Some(up), ..*settings })
-}
-
-/// Returns `true` if the settings leave it open whether the camera stands within the points.
-pub(super) fn may_be_inside(settings: &CameraSettings) -> bool {
-    let CameraSettings { up, fov_y, frame, .. } = *settings;
-    *settings == CameraSettings { up, fov_y, frame, ..CameraSettings::default() }
 }
 
 /// Returns notes about the camera that [`super::camera`] finds: that it stands where the sensor stood, or within the
@@ -226,7 +220,7 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     }
     let framed = found.map(|(framed, _)| framed);
     let spread = framed.and_then(|framed| PointSpread::of(&framed, vertical));
-    if may_be_inside(settings) && spread.as_ref().is_some_and(|spread| spread.within().is_some()) {
+    if settings.leave_place_open() && spread.as_ref().is_some_and(|spread| spread.within().is_some()) {
         notes.push(
             "the points surround the middle of the scene, as in a room, so the camera is placed inside; --view iso looks \
              from outside"

@@ -109,7 +109,7 @@ pub fn describe_opacity(share: f64, found: Option<OpacityFactor>, prepared: &Pre
     let mut opacities = said(found.factor, prepared, |opacity| opacity);
     let radius_factor = prepared.radius_factor();
     if radius_factor != 1.0 {
-        opacities = format!("{opacities} and radii times {radius_factor}, which keeps sparse points apart");
+        opacities = format!("{opacities} and radius_factor {radius_factor}, which keeps sparse points apart");
     }
     let OpacityFactor { transmittance, trials, .. } = found;
     if found.meets(share) {

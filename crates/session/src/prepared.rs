@@ -158,9 +158,10 @@ impl Prepared {
     }
 
     /// Returns the factor on the radii with which the discs of a sparse cloud stay apart in a picture that is to be
-    /// seen through; 1 of other clouds and pictures, and where anything is said of radii.
+    /// seen through; 1 of other clouds and pictures, of scene files, and where anything is said of radii.
     pub fn radius_factor(&self) -> f32 {
-        if self.see_through().is_none() || !self.assembled.has_estimated_radii() {
+        let names_clouds = self.assembled.scene.names_clouds;
+        if self.see_through().is_none() || !names_clouds || !self.assembled.has_estimated_radii() {
             return 1.0;
         }
         sparse::radius_factor(self.points(), &self.camera, self.assembled.scene.image.size[1])
@@ -201,7 +202,7 @@ impl Prepared {
 
     /// Returns the metadata that holds the camera of an image.
     pub fn camera_metadata(&self) -> (String, String) {
-        (scene::CAMERA_TAG.to_owned(), self.camera.to_toml())
+        (output::CAMERA_TAG.to_owned(), self.camera.to_toml())
     }
 
     /// Says how much was read of clouds that stay in their files.

@@ -9,9 +9,10 @@ pub(super) const NAMES: [&str; 2] = ["worldToCamera", "worldToNDC"];
 
 /// Returns `worldToCamera` and `worldToNDC` of a picture, row by row, for points as rows: p′ = p · M.
 ///
-/// OpenEXR defines them in `ImfStandardAttributes.h`: camera space has x to the right, y up and z along the view, and is
-/// left-handed. NDC is (0, 0) in the upper left corner of the picture and (1, 1) in the lower right one. Its z, which
-/// OpenEXR leaves open, is 0 at the nearest depth and 1 at the farthest. `None` of a camera that float32 can't hold.
+/// OpenEXR defines them in `ImfStandardAttributes.h`: camera space has x to the right, y up and z along the view, and
+/// is left-handed. NDC is (0, 0) in the upper left corner of the picture and (1, 1) in the lower right one. Its z,
+/// which OpenEXR leaves open, is 0 at the nearest depth and 1 at the farthest. `None` of a camera that float32 can't
+/// hold.
 pub(super) fn matrices(camera: &Camera, size: [u32; 2]) -> Option<[[f32; 16]; 2]> {
     let to_camera = to_camera(camera);
     let both = [to_camera, to_ndc(camera, size) * to_camera];

@@ -19,7 +19,7 @@ pub use file::{Files, check_folder, check_report_folder, make_folder, write_atom
 pub use inputs::{Inputs, Output};
 pub use png::{raster, to_byte};
 pub use read::read_image;
-pub use tag::{Tagged, metadata, tagged};
+pub use tag::{CAMERA_TAG, Tagged, metadata, tagged};
 
 use crate::has_memory;
 use pellucid_core::atomic::remedy;

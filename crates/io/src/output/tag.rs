@@ -9,6 +9,9 @@ use exr::prelude::{AttributeValue, MetaData};
 use super::read::{decode, open};
 use super::{Error, Format};
 
+/// Name of the camera with which a picture was made: the keys of `[camera]`, as TOML.
+pub const CAMERA_TAG: &str = "pellucid:camera";
+
 /// The last bytes of every PNG: an empty chunk IEND with its length and checksum.
 const PNG_END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
 

@@ -11,7 +11,7 @@ mod ply;
 
 use std::path::{Path, PathBuf};
 
-use pellucid_core::cloud::{Bounds, Cloud};
+use pellucid_core::cloud::{Bounds, Cloud, upright};
 use pellucid_core::progress::Progress;
 use pellucid_io::store::Store;
 use pellucid_io::{Error, Hints, LasColumns, load_with};
@@ -50,7 +50,10 @@ fn joined(store: &dyn Store) -> Cloud {
     let mut order: Vec<u32> = (0..places.len() as u32).collect();
     order.sort_by_key(|&at| places[at as usize]);
     assert!(order.windows(2).all(|pair| places[pair[0] as usize] < places[pair[1] as usize]), "a place twice");
-    all.subset(&order)
+    let mut all = all.subset(&order);
+    // Whoever loads a file lays a flat cloud.
+    upright::lay(&mut all);
+    all
 }
 
 /// Asserts that two clouds are the same to the bit.

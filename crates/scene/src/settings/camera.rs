@@ -53,6 +53,12 @@ impl CameraSettings {
         self.up.and_then(Vertical::nearest).unwrap_or(up.into())
     }
 
+    /// Returns `true` if nothing is said of eye, target, view, lens or depths: the points may ask for a place among them.
+    pub(crate) fn leave_place_open(&self) -> bool {
+        let Self { up, fov_y, frame, .. } = *self;
+        *self == Self { up, fov_y, frame, ..Self::default() }
+    }
+
     /// Returns the settings that show the whole scene from a view, upright: `up` is then only the vertical axis.
     pub fn seen_from(&self, view: View) -> Self {
         let up = self.up.and_then(Vertical::nearest).map(Vertical::up);

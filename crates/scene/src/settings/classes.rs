@@ -114,8 +114,8 @@ impl SettingsField for Vec<ClassSettings> {
             "class.opacity": ValueKind::Number(Range::UNIT), without "the cloud's";
             /// Color of these points, in place of the cloud's.
             "class.color": ValueKind::Color, without "the cloud's";
-            /// Radius of these points in place of the cloud's, the file's or the estimated one, not multiplied by
-            /// `scale`; without effect on Gaussians.
+            /// Radius of these points in place of the cloud's or the estimated one, not multiplied by `scale`; not of
+            /// Gaussians.
             "class.radius": ValueKind::Number(Range::NOT_NEGATIVE), unit "world units", without "the cloud's";
             /// False hides these points; they still count for radii and percentiles.
             "class.visible": ValueKind::Flag, without "`true`";

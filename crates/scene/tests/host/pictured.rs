@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3};
 use pellucid_core::camera::{Projection, StatedCamera};
 use pellucid_core::color::ColorSpace;
 use pellucid_core::image::Image;
-use pellucid_io::output::{Inputs, WriteOptions, write_image};
-use pellucid_scene::{CAMERA_TAG, Error, Overrides, PictureCamera, Scene};
+use pellucid_io::output::{CAMERA_TAG, Inputs, WriteOptions, write_image};
+use pellucid_scene::{Error, Overrides, PictureCamera, Scene};
 
 const WHOLE: &str =
     "eye = [1.5, 2.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\nup = [0.0, 0.0, 1.0]\nfov_y = 45.0\nnear = 0.5\nfar = 9.0\n";
