@@ -48,7 +48,8 @@ fn the_opacity_found_is_printed_and_gives_the_same_picture() {
         alphas.sort_by(f32::total_cmp);
         let middle = f64::from(alphas[(alphas.len() - 1) / 2]) / 2.0 + f64::from(alphas[alphas.len() / 2]) / 2.0;
         assert!((1.0 - middle - median).abs() < 1e-6, "{middle}, {kept}");
-        let given = ["--view", "iso", "--method", method, "--opacity", opacity, "--set", &factor, "-o", "given.exr"];
+        let same = ["--like", "found.exr", "--method", method];
+        let given = [&same[..], &["--opacity", opacity, "--set", &factor, "-o", "given.exr"]].concat();
         said(&folder, &tori(scene, &given));
         let (given, _) = exr(&inside(&folder, "given.exr"));
         assert!(channels == given, "{method}: --opacity {opacity} gives the same picture");

@@ -53,7 +53,8 @@ impl CameraSettings {
         self.up.and_then(Vertical::nearest).unwrap_or(up.into())
     }
 
-    /// Returns `true` if nothing is said of eye, target, view, lens or depths: the points may ask for a place among them.
+    /// Returns `true` if nothing is said of eye, target, view, lens or depths: the points may ask for a place among
+    /// them.
     pub(crate) fn leave_place_open(&self) -> bool {
         let Self { up, fov_y, frame, .. } = *self;
         *self == Self { up, fov_y, frame, ..Self::default() }

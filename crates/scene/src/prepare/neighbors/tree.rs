@@ -89,8 +89,8 @@ impl PlaceTree {
     pub fn least_around(&self, least: &[f64], cuboid: &Cuboid, squared: f64) -> f64 {
         let (mut found, mut index) = (f64::INFINITY, 0);
         while let Some(node) = self.nodes.get(index) {
-            // Values that aren't less need no distance: few nodes are looked at even around an outlier, which everything
-            // lies around.
+            // Values that aren't less need no distance: even around an outlier, which everything lies around, few nodes
+            // are looked at.
             if least[index] >= found || node.cuboid.squared(cuboid) > squared {
                 index = node.next as usize;
                 continue;
