@@ -152,7 +152,8 @@ def test_shadows_are_switched_on(renderer, scene):
     x, y = np.mgrid[-2:2:40j, -2:2:40j].reshape(2, -1)
     floor, roof = np.stack([x, y, 0 * x], axis=1), np.stack([0.3 * x, 0.3 * y, 0 * x + 1.0], axis=1)
     hall = pellucid.Cloud(np.concatenate([floor, roof]), normals=[(0, 0, 1)] * 2 * len(floor))
-    lit = {"size": SIZE, "method": "circles", "radius": 0.1, "view": "iso", "shading": {"model": "lambert", "light": LIGHT}}
+    view = {"size": SIZE, "view": "iso", "up": [0, 1, 0]}
+    lit = view | {"method": "circles", "radius": 0.1, "shading": {"model": "lambert", "light": LIGHT}}
     shadowed = pellucid.render(hall, shadows={}, **lit).rgba
     assert np.abs(pellucid.render(hall, **lit).rgba - shadowed).max() > 0.1
     np.testing.assert_array_equal(pellucid.render(hall, shadows=True, **lit).rgba, shadowed)
