@@ -13,6 +13,12 @@ fn write_heights(path: &std::path::Path) {
     pellucid_io::ply::write(path, &Cloud { positions, ..Cloud::default() }).unwrap();
 }
 
+/// Renders a picture of 320 × 240 pixels that a legend can explain; without options it has none.
+fn heights(folder: &tempfile::TempDir, name: &str, options: &[&str]) {
+    let plain = ["render", "a.ply", "--color-by", "z", "--ortho", "--size", "320x240", "-o", name];
+    done(folder, &[&plain[..], options].concat());
+}
+
 #[test]
 fn a_legend_covers_one_corner_and_nothing_else() {
     if !has_device() {
@@ -20,9 +26,8 @@ fn a_legend_covers_one_corner_and_nothing_else() {
     }
     let folder = folder();
     write_heights(&inside(&folder, "a.ply"));
-    let plain = ["render", "a.ply", "--color-by", "z", "--ortho", "--size", "320x240", "-o", "plain.png"];
-    done(&folder, &plain);
-    let with = |name, options: &[&str]| done(&folder, &[&plain[..8], &[name, "--legend"], options].concat());
+    heights(&folder, "plain.png", &[]);
+    let with = |name, options: &[&str]| heights(&folder, name, &[&["--legend"], options].concat());
     with("explained.png", &[]);
     with("again.png", &["--transparent"]);
     with("turn_%d.png", &["--turntable", "--frames", "2"]);
@@ -71,9 +76,8 @@ fn a_legend_beside_hides_nothing() {
     }
     let folder = folder();
     write_heights(&inside(&folder, "a.ply"));
-    let plain = ["render", "a.ply", "--color-by", "z", "--ortho", "--size", "320x240", "-o", "plain.png"];
-    done(&folder, &plain);
-    let with = |name, options: &[&str]| done(&folder, &[&plain[..8], &[name, "--legend=beside"], options].concat());
+    heights(&folder, "plain.png", &[]);
+    let with = |name, options: &[&str]| heights(&folder, name, &[&["--legend=beside"], options].concat());
     with("beside.png", &[]);
     with("clear.png", &["--transparent"]);
     with("turn_%d.png", &["--turntable", "--frames", "2"]);
