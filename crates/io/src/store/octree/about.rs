@@ -17,6 +17,9 @@ pub(crate) const VERSION: u64 = 1;
 pub(crate) struct About {
     pub version: u64,
     pub up: UpAxis,
+    /// `true` if the source did not state it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub up_is_convention: bool,
     /// Role of each attribute.
     pub roles: Vec<Role>,
     /// The largest distance of a position from where it was in the source, in the file's units.
@@ -78,6 +81,7 @@ impl About {
         Self {
             version: VERSION,
             up: like.up,
+            up_is_convention: like.up_is_convention,
             roles: layout.attributes.iter().map(|attribute| attribute.role.clone()).collect(),
             rounding,
             prepared: like.prepared.as_ref().map(PreparedRecord::of),

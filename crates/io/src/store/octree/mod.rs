@@ -297,7 +297,7 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     let decoder = Decoder::new(layout.clone(), *grid, full, first_time, prepared);
     let mut like = decoder.cloud(&[]);
     like.up = about.as_ref().map_or(UpAxis::Z, |about| about.up);
-    like.up_is_convention = about.is_none();
+    like.up_is_convention = about.as_ref().is_none_or(|about| about.up_is_convention);
     // A file may claim any number, and those of several files are added.
     like.non_finite = about.as_ref().map_or(0, |about| about.non_finite.min(MOST_DROPPED) as usize);
     like.filter = about.as_ref().and_then(|about| Filter::named(about.filter.as_deref()?));

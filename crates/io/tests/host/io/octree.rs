@@ -12,7 +12,7 @@ use pellucid_core::color::decode_srgb;
 use pellucid_core::progress::{Observer, Progress};
 use pellucid_io::store::build::{Built, Settings, build};
 use pellucid_io::store::{Grid, MemoryStore, Node, Octree, Piece, Store, Summary, open, whole};
-use pellucid_io::{Error, Hints};
+use pellucid_io::{Error, Hints, load};
 use pellucid_testing_host::{root, whole_clouds};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -201,14 +201,29 @@ fn real_scans_come_back_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["lidar/sample_c_2k.las", "formats/las_extrabytes.las", "formats/laz_pointwise_nochunk.laz"] {
         let path = root().join("tests/data").join(name);
-        let cloud = super::load(&path).unwrap();
         let target = folder.path().join(name);
         let input = open(&path, Hints::default(), &Progress::hidden()).unwrap();
+        let stored = points(&*input);
         let built = write(&[input], &target, TIGHT);
         assert_eq!(built.rounding, 0.0, "{name}");
-        assert_same(points(&Octree::open(&target).unwrap()), &cloud, 0.0);
+        assert_same(points(&Octree::open(&target).unwrap()), &stored, 0.0);
         // As a cloud it is the file: every picture of it has the same bytes.
-        assert_eq!(super::load(&target).unwrap(), cloud, "{name}");
+        assert_eq!(super::load(&target).unwrap(), super::load(&path).unwrap(), "{name}");
+    }
+}
+
+/// A wall whose file does not say which way is up, and one whose file does.
+#[test]
+fn a_store_has_the_vertical_of_the_points_it_was_built_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let position = |i: u32| DVec3::new(f64::from(i % 60), 0.01 * f64::from(i % 7), f64::from(i / 60));
+    for (up_is_convention, up, name) in [(true, UpAxis::Y, "silent"), (false, UpAxis::Z, "stated")] {
+        let positions = (0..3000).map(position).collect();
+        let wall = Cloud { positions, up: UpAxis::Z, up_is_convention, ..Cloud::default() };
+        let target = folder.path().join(name);
+        write(&[held(wall)], &target, ROOMY);
+        assert_eq!(Octree::open(&target).unwrap().summary().like.up_is_convention, up_is_convention);
+        assert_eq!(load(&target, &Progress::hidden()).unwrap().up, up);
     }
 }
 
