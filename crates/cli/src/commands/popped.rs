@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use pellucid_core::image::{Image, LinearImage};
+use pellucid_core::image::Image;
 use pellucid_core::metrics::error_text;
 use pellucid_engine::Result;
-use pellucid_engine::methods::{Frame, Renderer, Stop};
-use pellucid_io::output;
+use pellucid_engine::methods::{Frame, Renderer, Stop, linear};
 use pellucid_lab::report::popping::{self, Candidate, Follower, Popping};
 use pellucid_session::Session;
 
@@ -48,8 +47,8 @@ impl Popped {
         let exact = self.renderer.render(&mut session.uploaded.cloud, &frame)?;
         session.device.check_validation()?;
         let background = session.scene().image.background.color();
-        let linear = |image: &Image| -> LinearImage { output::linear(image, background, frame.color) };
-        self.follower.add(&linear(&exact.image), &linear(image));
+        let linear = |image: &Image| linear(image, background, frame.color);
+        self.follower.add(&linear(&exact.image)?, &linear(image)?);
         self.renderer.recycle(exact.image);
         Ok(())
     }

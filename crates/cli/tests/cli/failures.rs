@@ -117,16 +117,34 @@ fn no_command_that_makes_pictures_ends_in_an_abort_where_memory_is_short() {
             "render a.ply --method points --aov -o a.exr",
             "render a.ply --method points --turntable --frames 1 -o a_%d.png",
         ] {
-            let program = assert_cmd::cargo::cargo_bin("pellucid");
-            let command = format!("ulimit -v {limit_kib}; exec \"$0\" {args} --size 4096x4096");
-            let mut shell = std::process::Command::new("sh");
-            shell.args(["-c", &command]).arg(program).current_dir(&folder);
-            let output = shell.env("PELLUCID_CACHE_DIR", pellucid_testing::shader_cache()).output().unwrap();
-            let stderr = String::from_utf8_lossy(&output.stderr);
-            assert!([Some(0), Some(1)].contains(&output.status.code()), "{args}, {limit_kib} KiB: {stderr}");
-            assert!(output.status.success() || stderr.contains("error: "), "{args}, {limit_kib} KiB: {stderr}");
+            within(&folder, limit_kib, args);
         }
     }
+    // Frames fit, but not all that is compared with them.
+    for args in [
+        "render a.ply --opacity 0.5 --max-error 0.1 --recalibrate -o a.png",
+        "render a.ply --opacity 0.5 --budget 100 --recalibrate -o a.png",
+        "render a.ply --opacity 0.5 --method sorted --turntable --frames 2 --popping a.csv -o b_%d.png",
+        "tradeoff a.ply --opacity 0.5 --quick --only sorted --time 5 --turntable --frames 2 -o a",
+    ] {
+        let stderr = within(&folder, 2_200_000, args);
+        assert!(stderr.contains("an image of 4096 × 4096 pixels needs"), "{args}: {stderr}");
+    }
+}
+
+/// Runs the program for 4096² pixels within so much memory, and returns what it says: its end is a good one, or an error
+/// that it tells.
+#[cfg(target_os = "linux")]
+fn within(folder: &tempfile::TempDir, limit_kib: u32, args: &str) -> String {
+    let program = assert_cmd::cargo::cargo_bin("pellucid");
+    let command = format!("ulimit -v {limit_kib}; exec \"$0\" {args} --size 4096x4096");
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &command]).arg(program).current_dir(folder);
+    let output = shell.env("PELLUCID_CACHE_DIR", pellucid_testing::shader_cache()).output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!([Some(0), Some(1)].contains(&output.status.code()), "{args}, {limit_kib} KiB: {stderr}");
+    assert!(output.status.success() || stderr.contains("error: "), "{args}, {limit_kib} KiB: {stderr}");
+    stderr
 }
 
 #[cfg(target_os = "linux")]

@@ -13,13 +13,12 @@ use super::{ChoiceFrame, Figures};
 use crate::candidates::{Formation, Occasion, Setting, formation};
 use pellucid_core::image::LinearImage;
 use pellucid_core::metrics;
-use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, Upload};
+use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, Upload, linear};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::median;
 use pellucid_engine::{Result, identity};
 use pellucid_gpu as gpu;
 use pellucid_gpu::Device;
-use pellucid_io::output::linear;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{Detail, Method};
 
@@ -247,7 +246,7 @@ impl<'a> Trials<'a> {
     /// `best`.
     fn first_frames(&mut self, setting: &Setting, frames: usize, best: Option<f64>) -> Result<Record> {
         let first = self.render(setting.method, setting.detail)?;
-        let image = linear(&first.image, self.subject.background, self.frame.color);
+        let image = linear(&first.image, self.subject.background, self.frame.color)?;
         self.renderer.recycle(first.image);
         self.reference()?;
         let reference = self.reference.as_ref().expect("rendered above");
@@ -277,12 +276,12 @@ impl<'a> Trials<'a> {
     fn reference(&mut self) -> Result<()> {
         if self.reference.is_none() {
             if let Some(image) = limit::ensembles(self.subject.arranged, &self.frame) {
-                self.reference = Some(linear(&image, self.subject.background, self.frame.color));
+                self.reference = Some(linear(&image, self.subject.background, self.frame.color)?);
                 return Ok(());
             }
             let rendered = self.render(self.frame.method, Detail::default())?;
             self.known.max_list = rendered.facts.max_list;
-            self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color));
+            self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color)?);
         }
         Ok(())
     }

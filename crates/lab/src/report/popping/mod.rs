@@ -12,10 +12,9 @@ use pellucid_core::camera::Camera;
 use pellucid_core::image::LinearImage;
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
-use pellucid_engine::methods::{self, Frame, Renderer, Upload};
+use pellucid_engine::methods::{self, Frame, Renderer, Upload, linear};
 use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
-use pellucid_io::output::linear;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{Discs, Family, GaussianSettings, Method, Order};
 use pellucid_session::choice::Renderers;
@@ -217,7 +216,7 @@ pub fn measure(device: &Device, film: &Film<'_>, candidates: &[Candidate], progr
             progress.inc(1);
             let renderer = renderers.for_method(frame.method.name())?;
             let rendered = renderer.render(&mut cloud, &Frame { camera: *camera, ..frame })?;
-            let image = linear(&rendered.image, film.background, frame.color);
+            let image = linear(&rendered.image, film.background, frame.color)?;
             renderer.recycle(rendered.image);
             Ok(image)
         };

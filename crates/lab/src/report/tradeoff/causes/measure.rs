@@ -10,10 +10,10 @@ use pellucid_core::metrics::{self, difference_picture};
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::methods::{self, Frame, Renderer, Upload};
+use pellucid_engine::methods::{self, Frame, Renderer, Upload, linear};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_gpu::Device;
-use pellucid_io::output::{linear, write_rgb_png};
+use pellucid_io::output::write_rgb_png;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{Discs, GaussianSettings, Hybrid, Method};
 
@@ -153,7 +153,7 @@ impl Studio<'_> {
     /// buffers.
     fn timed(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(LinearImage, f64), methods::Error> {
         let rendered = self.renderer.render(cloud, frame)?;
-        let image = linear(&rendered.image, self.effort.background, frame.color);
+        let image = linear(&rendered.image, self.effort.background, frame.color)?;
         self.renderer.recycle(rendered.image);
         let mut least = f64::INFINITY;
         for _ in 0..2 {

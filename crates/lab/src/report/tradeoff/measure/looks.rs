@@ -32,7 +32,7 @@ impl TradeoffRun<'_> {
         let mut renderer = Renderer::new(self.device)?;
         let cloud = self.clouds.on_device(&renderer, 1, &frame.detail)?;
         match renderer.render(cloud, &frame) {
-            Ok(rendered) => Ok(Some(self.linear(&rendered.image))),
+            Ok(rendered) => Ok(Some(self.linear(&rendered.image)?)),
             Err(error) if error.is_refusal() => Ok(None),
             Err(error) => Err(error.into()),
         }

@@ -13,10 +13,10 @@ use glam::Vec3;
 use pellucid_core::camera::Camera;
 use pellucid_core::image::{Image, LinearImage};
 use pellucid_core::progress::Progress;
-use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, linear};
 use pellucid_engine::{Result, identity};
 use pellucid_gpu::Device;
-use pellucid_io::output::{self, linear, write_rgb_png};
+use pellucid_io::output::{self, write_rgb_png};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{Detail, Method};
 
@@ -188,7 +188,7 @@ struct TradeoffRun<'a> {
 }
 
 impl TradeoffRun<'_> {
-    fn linear(&self, image: &Image) -> LinearImage {
+    fn linear(&self, image: &Image) -> Result<LinearImage, methods::Error> {
         linear(image, self.subject.background, self.frame.color)
     }
 

@@ -2,9 +2,8 @@
 
 use pellucid_core::image::{Image, LinearImage};
 use pellucid_engine::Result;
-use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer};
+use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer, linear};
 use pellucid_gpu::Device;
-use pellucid_io::output::linear;
 
 use super::MeasuredScene;
 use crate::report::tradeoff::surfaces::{Clouds, Silhouette, supersampled};
@@ -64,7 +63,7 @@ impl ReferenceImage {
             _ => format!("{name} in float64, before the solid points as the device splats them"),
         };
         let exact = in_float64.as_ref().unwrap_or(&image);
-        let reference = linear(exact, background, frame.color);
+        let reference = linear(exact, background, frame.color)?;
         let covered = exact.rgba.iter().map(|pixel| pixel[3] > 0.0).collect();
         let unchecked = in_float64.is_none().then_some(image);
         Ok(Self { reference, unchecked, method, facts, silhouette: None, samples_across: 1, covered })

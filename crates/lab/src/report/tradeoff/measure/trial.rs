@@ -127,7 +127,7 @@ impl TradeoffRun<'_> {
     fn first_frames(&mut self, setting: &Setting) -> Result<SettingResults> {
         let mut renderer = Renderer::new(self.device)?;
         let first = self.render(&mut renderer, setting, 0)?;
-        let image = self.linear(&first.image);
+        let image = self.linear(&first.image)?;
         let silhouette = self.made.silhouette.as_ref();
         let holes = silhouette.and_then(|silhouette| silhouette.holes(&first.image));
         let rmse_inside = silhouette.and_then(|silhouette| silhouette.rmse(&self.made.reference, &image));
@@ -144,12 +144,12 @@ impl TradeoffRun<'_> {
         let (errors, repeats, rmse_analytic) = if setting.is_stochastic() {
             let mut seeds = Seeds::new(image.pixels.len());
             seeds.add(&image.pixels, &self.made.reference.pixels, errors, self.rmse_analytic(&image));
-            self.add(&mut seeds, &second.image);
+            self.add(&mut seeds, &second.image)?;
             renderer.recycle(second.image);
             let allowed = (self.options.seconds / SEEDS_SHARE / with_upload) as u32;
             for number in 2..allowed.min(self.options.seeds) {
                 let rendered = self.render_anew(&mut renderer, setting, number)?;
-                self.add(&mut seeds, &rendered.image);
+                self.add(&mut seeds, &rendered.image)?;
                 renderer.recycle(rendered.image);
             }
             (seeds.errors(), Some(seeds.repeats()), seeds.rmse_analytic())
@@ -198,9 +198,10 @@ impl TradeoffRun<'_> {
         }
     }
 
-    fn add(&self, seeds: &mut Seeds, image: &Image) {
-        let image = self.linear(image);
+    fn add(&self, seeds: &mut Seeds, image: &Image) -> Result<()> {
+        let image = self.linear(image)?;
         seeds.add(&image.pixels, &self.made.reference.pixels, self.errors(&image), self.rmse_analytic(&image));
+        Ok(())
     }
 
     fn rmse_analytic(&self, image: &LinearImage) -> Option<f64> {

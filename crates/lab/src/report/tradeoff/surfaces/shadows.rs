@@ -9,9 +9,8 @@ use crate::report::stress::Spread;
 use crate::report::tradeoff::{Shaded, ShadedStep};
 use pellucid_core::image::LinearImage;
 use pellucid_core::metrics::rmse;
-use pellucid_engine::methods::{Error, Frame, Renderer};
+use pellucid_engine::methods::{Error, Frame, Renderer, linear};
 use pellucid_gpu::Device;
-use pellucid_io::output::linear;
 use pellucid_scene::{Detail, Light, ShadingModel, Shadows};
 
 /// Prefix of the labels of shadow passes.
@@ -98,7 +97,7 @@ fn shaded(
     let rendered = renderer.render(clouds.on_device(renderer, 1, &Detail::default())?, frame)?;
     let passes = rendered.profile.passes.iter().filter(|pass| pass.name.starts_with(PASSES));
     let time = passes.map(|pass| pass.gpu).sum();
-    Ok((linear(&rendered.image, background, frame.color), time))
+    Ok((linear(&rendered.image, background, frame.color)?, time))
 }
 
 #[cfg(test)]

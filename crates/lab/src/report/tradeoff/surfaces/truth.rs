@@ -7,9 +7,8 @@ use rayon::prelude::*;
 use pellucid_core::image::{Image, LinearImage, MAX_SIDE};
 use pellucid_core::metrics::rmse;
 use pellucid_core::parallel;
-use pellucid_engine::methods::{Error, Frame, Renderer};
+use pellucid_engine::methods::{Error, Frame, Renderer, linear};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_io::output::linear;
 use pellucid_scene::{BlendedSplats, Method, ScreenSplats};
 
 /// Samples across a pixel, if the image is not too large for them.
@@ -45,7 +44,7 @@ pub(in super::super) fn supersampled(
     fine.shading.edl.edl_radius *= samples_across as f32;
     let image = renderer.render(cloud, &fine)?.image;
     let silhouette = Silhouette::from_image(&image, samples_across);
-    let image = averaged(&linear(&image, background, frame.color), samples_across);
+    let image = averaged(&linear(&image, background, frame.color)?, samples_across);
     Ok(Supersampled { image, silhouette, samples_across })
 }
 
