@@ -14,7 +14,7 @@ use super::coverage::{Shape, Splat, footprint};
 use super::{ReferencePicture, View};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
-use pellucid_scene::ImageSpace;
+use pellucid_scene::{ImageSpace, Iterations};
 
 /// A layer of points, the input and output of the filters.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,7 +146,7 @@ impl Layer {
 }
 
 /// Returns a layer after all filters in their order. `soften` has the threshold of edges.
-fn in_order<L>(
+fn in_order<L: PartialEq>(
     mut layer: L,
     filters: &ImageSpace,
     fill: impl Fn(&L) -> L,
@@ -154,10 +154,22 @@ fn in_order<L>(
     smooth: impl Fn(&L) -> L,
     soften: impl Fn(&L, f64) -> L,
 ) -> L {
-    (0..filters.fill).for_each(|_| layer = fill(&layer));
-    (0..filters.occlusion).for_each(|_| layer = replace(&layer));
+    layer = iterated(layer, filters.fill, fill);
+    layer = iterated(layer, filters.occlusion, replace);
     (0..filters.smooth).for_each(|_| layer = smooth(&layer));
     if filters.antialias { soften(&layer, f64::from(filters.antialias_threshold)) } else { layer }
+}
+
+/// Returns a layer after some iterations of a filter.
+fn iterated<L: PartialEq>(mut layer: L, iterations: Iterations, filter: impl Fn(&L) -> L) -> L {
+    for _ in 0..iterations.most() {
+        let next = filter(&layer);
+        if iterations == Iterations::Auto && next == layer {
+            break;
+        }
+        layer = next;
+    }
+    layer
 }
 
 /// n·v of a point, v toward the viewer and of any length: a point is culled unless it is positive. `None` without a

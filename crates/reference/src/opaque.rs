@@ -7,15 +7,16 @@ use super::{ReferencePicture, View};
 use pellucid_core::points::Points;
 use pellucid_scene::{Relief, ScreenSplats};
 
-/// Returns the splat that an opaque method draws for a point: the radius times `size`, clamped to `max_pixel_radius`.
+/// Returns the splat that an opaque method draws for a point: the radius times `size`, or `pixel_radius` at any depth,
+/// clamped to `max_pixel_radius`.
 pub fn splat(points: &Points, index: usize, shape: Shape, settings: &ScreenSplats) -> Splat {
-    Splat {
-        position: points.positions[index],
-        radius: f64::from(points.radii[index]) * f64::from(settings.size),
-        normal: None,
-        shape,
-        max_pixel_radius: f64::from(settings.max_pixel_radius),
-    }
+    let largest = f64::from(settings.max_pixel_radius);
+    let (radius, max_pixel_radius) = match settings.pixel_radius {
+        // Without end in the world, so that the clamp alone decides.
+        Some(pixels) => (f64::INFINITY, f64::from(pixels).min(largest)),
+        None => (f64::from(points.radii[index]) * f64::from(settings.size), largest),
+    };
+    Splat { position: points.positions[index], radius, normal: None, shape, max_pixel_radius }
 }
 
 /// The displacement of a fragment toward the viewer, in drawn radii: w of Schütz and Wimmer 2015.

@@ -13,15 +13,15 @@ use super::{ReferencePicture, View};
 use pellucid_core::points::Points;
 use pellucid_scene::PeelLayers;
 
-/// Returns up to `settings.layers` layers after their filters, nearest first, until one is empty. In each pixel a
-/// layer's points lie at least d̃ behind the filtered depth of the layer before it; where that is background, the pixel
+/// Returns up to `settings.layers` layers after their filters, nearest first, until one is empty; none behind
+/// `settings.only`. In each pixel a layer's points lie at least d̃ behind the filtered depth of the layer before it; where that is background, the pixel
 /// is empty.
 pub fn layers(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) -> Vec<Layer> {
     let filters = &settings.filters;
     let distance = image_space::layer_distance(filters.min_layer_distance, points);
     let mut from = vec![f64::NEG_INFINITY; view.pixels()];
     let mut layers = Vec::new();
-    while layers.len() < settings.layers as usize {
+    while layers.len() < settings.peeled() as usize {
         let found = image_space::nearest(view, points, filters.cull, &from);
         if found.iter().all(Option::is_none) {
             break;
@@ -58,8 +58,15 @@ pub fn blend(size: [u32; 2], layers: &[Layer]) -> ReferencePicture {
     ReferencePicture::of(size, (0..size[0] as usize * size[1] as usize).map(pixel))
 }
 
-/// Returns the whole image; its counts are those of the layers of each pixel. `colors` holds a color for each point,
+/// Returns the layers that are shown: all, or a single one, which may not be there.
+fn shown<'a, L>(layers: &'a [L], settings: &PeelLayers) -> &'a [L] {
+    let Some(only) = settings.only else { return layers };
+    let place = only as usize - 1;
+    layers.get(place..=place).unwrap_or_default()
+}
+
+/// Returns the whole image; its counts are those of the layers of each pixel that are shown. `colors` holds a color for each point,
 /// shaded and in the space that blending runs in ([`super::shading::shade`]).
 pub fn render(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) -> ReferencePicture {
-    blend(view.size, &layers(view, points, colors, settings))
+    blend(view.size, shown(&layers(view, points, colors, settings), settings))
 }

@@ -46,6 +46,9 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
     if let (Some(method), Some(node)) = (choice.fixed(), table.get("raster")) {
         warn_of_raster(table, method, node);
     }
+    if let (Some(_), Some(node)) = (choice.fixed().and_then(Method::pixel_radius), table.get("size")) {
+        table.warn(format!("{}: `size` has no effect with method.pixel_radius", node.place));
+    }
     Ok(choice)
 }
 

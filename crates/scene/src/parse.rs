@@ -6,7 +6,7 @@ use super::choice::MethodChoice;
 use super::error::{Error, Place};
 use super::keys::owners;
 use super::method;
-use super::methods::edl_methods;
+use super::methods::{Method, edl_methods};
 use super::scene::Scene;
 use super::schema::{Key, Settings, Value};
 use super::settings::*;
@@ -50,6 +50,9 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     let settings: Vec<_> = clouds.iter().map(cloud).collect::<Result<_, _>>()?;
     let clips = table.tables("clip")?.iter().map(Clip::read).collect::<Result<_, _>>()?;
     let method = method::read(&table.table("method")?)?;
+    if method.fixed().and_then(Method::pixel_radius).is_some() {
+        clouds.iter().try_for_each(check_pixel_radius)?;
+    }
     if !method.needs_field() {
         clouds.iter().for_each(|cloud| warn_of_fields(cloud, &method));
     }
@@ -112,6 +115,20 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
         let (name, owners) = (method.name(), owners("threshold").join(", "));
         cloud.warn(format!("{place}: method {name:?} does not use `{key}` (a key for {owners})"));
     }
+}
+
+/// Refuses a radius in world units where all splats have one in pixels, and warns of a factor on radii.
+fn check_pixel_radius(cloud: &Table<'_>) -> Result<(), Error> {
+    let stated = [vec![cloud.clone()], cloud.tables("class")?].concat();
+    if let Some(table) = stated.iter().find(|table| table.get("radius").is_some()) {
+        let problem = "`method.pixel_radius` (pixels, of all splats) and `radius` of a cloud (world units) exclude each \
+                       other: keep one";
+        return Err(table.conflict("radius", problem));
+    }
+    if let Some(node) = cloud.get("radius_factor") {
+        cloud.warn(format!("{}: `radius_factor` has no effect with method.pixel_radius", node.place));
+    }
+    Ok(())
 }
 
 /// Refuses eye-dome lighting of a method whose pixels have no depth of a surface. The method that `auto` becomes is

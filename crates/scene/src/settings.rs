@@ -34,4 +34,4 @@ pub use shading::{Edl, Formula, MAX_SHADOW_SAMPLES, Shading, ShadingModel, Shado
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use strays::{Outliers, Strays};
-pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
+pub use surfaces::{ImageSpace, Iterations, MAX_AUTO_ITERATIONS, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};

@@ -13,7 +13,9 @@ use pellucid_scene::legend::Legend;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::stored::Stored;
 use pellucid_scene::tracked::{self, DerivedColumns, Tracked};
-use pellucid_scene::{self as scene, Background, CloudSettings, Method, Recipe, Scene, ScreenSplats, ShadingModel};
+use pellucid_scene::{
+    self as scene, Background, CloudSettings, Family, Method, Recipe, Scene, ScreenSplats, ShadingModel,
+};
 
 use crate::messages::Messages;
 use crate::sources::{Clouds, Sources};
@@ -354,8 +356,9 @@ fn is_sized(cloud: &Cloud) -> bool {
 /// Returns the scene whose points are made: with a method that has radii, if they are wanted whatever the method.
 fn for_points(scene: &Scene, wanted: Wanted) -> Scene {
     let mut scene = scene.clone();
-    if wanted.radii && matches!(scene.method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
-        // Like these two, circles want the points in canonical order, and nothing else of them.
+    let is_opaque = |method: &Method| method.family() == Family::Opaque || matches!(method, Method::ImageSpace(_));
+    if wanted.radii && !scene.method.needs_radii() && scene.method.fixed().is_some_and(is_opaque) {
+        // Like these, circles want the points in canonical order, and nothing else of them.
         scene.method = Method::Circles(ScreenSplats::default()).into();
     }
     scene

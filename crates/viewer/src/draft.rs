@@ -5,7 +5,7 @@
 //! times the radius. The content of a pixel stays the same, and all work shrinks alike, whether it comes from pixels or
 //! points. So a single number predicts the next frame's time from the last one.
 
-use pellucid_scene::{Method, Setting};
+use pellucid_scene::{Method, PeelLayers, Setting};
 
 use super::counts::abbreviated;
 
@@ -118,6 +118,10 @@ fn apart(a: Cost, b: Cost) -> bool {
 
 /// The key of a method whose image only gets better with its number: samples, ensembles, layers; and that number.
 fn refined(method: &Method) -> Option<(&'static str, u32)> {
+    // Fewer layers don't show the one that is shown alone.
+    if matches!(method, Method::PeelLayers(PeelLayers { only: Some(_), .. })) {
+        return None;
+    }
     let key = method.keys().into_iter().find(|key| key.refines)?;
     if let Some(Setting::Integer(steps)) = key.value { Some((key.name, steps)) } else { None }
 }
@@ -187,11 +191,13 @@ impl Draft {
     }
 
     /// The method with this number of samples or layers. Ensembles stay those of the L into which the points are
-    /// shuffled; fewer of them are drawn.
+    /// shuffled; fewer of them are drawn. Radii in pixels stay as wide on the screen.
     pub fn method(&self, whole: Method) -> Method {
-        match (refined(&whole), self.steps) {
-            (Some((key, _)), Some(steps)) if !whole.is_dealt() => {
-                whole.with(key, Setting::Integer(steps)).unwrap_or(whole)
+        let with = |key: &str, value| whole.with(key, value).unwrap_or(whole);
+        match (refined(&whole), self.steps, whole.pixel_radius()) {
+            (Some((key, _)), Some(steps), _) if !whole.is_dealt() => with(key, Setting::Integer(steps)),
+            (_, _, Some(radius)) if self.coarse > 1 => {
+                with("pixel_radius", Setting::Number(f64::from(radius) / f64::from(self.coarse)))
             }
             _ => whole,
         }

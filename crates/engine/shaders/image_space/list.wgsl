@@ -10,7 +10,7 @@ override FILTER: u32 = 0u;
 @group(0) @binding(1) var<storage, read_write> entries: array<vec2<u32>>;
 // Four words for each run: workgroups in x, y, z.
 @group(0) @binding(2) var<storage, read_write> arguments: array<atomic<u32>>;
-// Tiles that each filter had.
+// Tiles that each filter had, and the last runs of LIST_FILL and LIST_OCCLUSION that had any.
 @group(0) @binding(3) var<storage, read_write> totals: array<atomic<u32>>;
 #push
 
@@ -42,6 +42,10 @@ fn is_listed(own: Tile, around: Around) -> bool {
     if t >= push.columns * push.rows {
         return;
     }
+    // Where the run before had no tile nothing has changed since: this one has none either.
+    if push.before != 0u && atomicLoad(&arguments[4u * push.before]) == 0u {
+        return;
+    }
     let slot = 4u * push.slot;
     if t == 0u {
         atomicStore(&arguments[slot + 1u], 1u);
@@ -71,6 +75,9 @@ fn is_listed(own: Tile, around: Around) -> bool {
         entries[atomicAdd(&arguments[slot], 1u)] = Entry(t, bits);
         if FILTER <= LIST_ANTIALIAS {
             atomicAdd(&totals[FILTER], 1u);
+        }
+        if FILTER <= LIST_OCCLUSION {
+            atomicMax(&totals[LIST_ANTIALIAS + 1u + FILTER], push.slot);
         }
     }
 }

@@ -1,5 +1,5 @@
 // peel-layers/blend: a filtered layer behind what is in the image already, and the depths that points of the next layer
-// must have at least. One workgroup per listed tile, one invocation per column and STRIP of rows; what lies outside of
+// must have at least; of a layer that is not shown these depths alone. One workgroup per listed tile, one invocation per column and STRIP of rows; what lies outside of
 // the window only gets those depths. Pixels of tiles that are not listed have no point, nor will they have one.
 // Reference: reference::peel_layers.
 #import tiled
@@ -44,7 +44,7 @@ const NOTHING = 0xffffffffu;
         }
         // Beyond the left and upper border it wraps to what is larger than any window.
         let within = pixel - vec2<u32>(p.left, p.top);
-        if all(within < size) {
+        if p.shown == 1u && all(within < size) {
             let q = within.y * size.x + within.x;
             let front = image[q];
             if front.a == 0.0 && layer.color.a > 0.0 {

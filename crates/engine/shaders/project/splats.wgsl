@@ -106,6 +106,7 @@ fn project(i: u32) -> vec2<u32> {
     let depth = add2(point.place[2], vec2<f32>(-view.eye_hi.w, 0.0));
     if !is_sphere() {
         radius = min(min(hi.w * view.radius_limits.x * point.scale, view.radius_limits.y), HUGE);
+        radius = select(radius, min(view.radius_limits.y, HUGE), view.radius_limits.x < 0.0);
     }
     let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth.x, radius);
     var tilt = no_tilt();

@@ -26,7 +26,7 @@ struct View {
     focal: vec2<f32>,
     // Near and far.
     depth_range: vec2<f32>,
-    // Factor on the radius, and largest radius in pixels.
+    // Factor on the radius, and largest radius in pixels; a factor below 0: every radius is the largest.
     radius_limits: vec2<f32>,
     orthographic: u32,
     // Factor on opacities.

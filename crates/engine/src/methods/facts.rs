@@ -39,6 +39,8 @@ pub struct Facts {
     pub image_tiles: u64,
     /// Tiles processed by each filter: background fill, occlusion fill, smoothing, antialiasing; all iterations.
     pub filtered_tiles: [u64; 4],
+    /// Iterations of background fill and occlusion fill that had tiles, the most of any layer and window.
+    pub closing_runs: [u32; 2],
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
     /// Ensembles that were drawn.

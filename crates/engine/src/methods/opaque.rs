@@ -130,7 +130,11 @@ impl Engine for NearestEngine {
     }
 
     fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
-        PointExtent::squares(frame.factors.radius * self.splats.size)
+        let ScreenSplats { size, max_pixel_radius, pixel_radius, .. } = self.splats;
+        match pixel_radius {
+            Some(radius) => PointExtent::pixels(radius.min(max_pixel_radius).into()),
+            None => PointExtent::squares(frame.factors.radius * size),
+        }
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {

@@ -29,12 +29,13 @@ gpu_struct! {
         outer_width: u32, // Size of the rectangle in work.
         outer_height: u32,
         distance: f32, // d~ in world units.
+        shown: u32, // 1 unless another layer is shown alone.
     }
 }
 
 pass! {
-    /// Composes the filtered layer behind the layers of each pixel, in tiles that are not background alone, and sets
-    /// the limit of the next layer.
+    /// Composes the filtered layer behind the layers of each pixel, in tiles that are not background alone, unless
+    /// another layer is shown alone; and sets the limit of the next layer.
     pub Blend(BlendPush) = "peel-layers/blend" in "peel_layers/blend" {
         entries: Read<[u32; 2]>,
         depths: Read<f32>,
@@ -59,6 +60,8 @@ pub struct LayersJob<'a> {
     pub image: FilterJob<'a>,
     /// Layers at most.
     pub layers: u32,
+    /// The only layer that is shown, counted from 1; else all are.
+    pub only: Option<u32>,
     /// `true` if layers are counted per pixel.
     pub counted: bool,
     /// `true` if the window is copied to the host.
@@ -164,7 +167,8 @@ impl LayerPeeler {
                 let next = Next { work: images.work.all(), arguments: dispatches.all };
                 recorder.run(&next, (), &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
                 images.record_image(&mut recorder, &job.image, cut, Some(dispatches.emptied()))?;
-                self.record_blend(&mut recorder, job, target)?;
+                let shown = job.only.is_none_or(|only| number + 1 == only);
+                self.record_blend(&mut recorder, job, target, shown)?;
             }
             if recorded == 0 {
                 job.image.cloud.record_stats(&mut recorder)?;
@@ -189,6 +193,7 @@ impl LayerPeeler {
         recorder: &mut Recorder<'a>,
         job: &LayersJob<'a>,
         target: &'a Target,
+        shown: bool,
     ) -> Result<(), Error> {
         let (image, images) = (&job.image, &self.images);
         let blend = Blend {
@@ -203,8 +208,8 @@ impl LayerPeeler {
         };
         let DeliverPush { columns, tiles, left, top, width, height } = image.deliver_push();
         let [outer_width, outer_height] = image.outer_size();
-        let distance = image.distance;
-        let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance };
+        let (distance, shown) = (image.distance, shown.into());
+        let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance, shown };
         let run = Run::new(images.deliver_dispatch(image)).variant(blend_variant(job.counted));
         Ok(recorder.run(&blend, push, &run)?)
     }
@@ -223,7 +228,7 @@ pub(crate) struct PeelLayersEngine {
 
 impl PeelLayersEngine {
     fn filtering(&self) -> Filtering {
-        Filtering { filters: self.settings.filters, layers: Some(self.settings.layers) }
+        Filtering { filters: self.settings.filters, layers: Some(self.settings.peeled()) }
     }
 }
 
@@ -252,9 +257,10 @@ impl Engine for PeelLayersEngine {
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let how = work.frame.projecting_points(cloud);
         let image = self.filtering().job(cloud, work, &how);
-        let (layers, counted, read_back) = (self.settings.layers, work.frame.fragments, !work.survey);
+        let (layers, only) = (self.settings.peeled(), self.settings.only);
+        let (counted, read_back) = (work.frame.fragments, !work.survey);
         let peeler = buffers.resources.own.of::<LayerPeeler>(work.device)?;
-        peeler.render(work, &LayersJob { image, layers, counted, read_back })?;
+        peeler.render(work, &LayersJob { image, layers, only, counted, read_back })?;
         image_space::finish(cloud, work);
         Ok(Outcome::Done)
     }

@@ -5,7 +5,8 @@ use crate::passes::project::{CloudPart, DeviceCloud, Drawing, Footprint, Project
 use crate::scene::{DiscShape, Discs, Kernel, Order, Raster, ScreenSplats, SplatShape};
 
 /// Radii as they are.
-pub(super) const UNCLAMPED: ScreenSplats = ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX, raster: Raster::Auto };
+pub(super) const UNCLAMPED: ScreenSplats =
+    ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX, pixel_radius: None, raster: Raster::Auto };
 
 /// Returns the footprint of an opaque splat of this outline.
 pub(super) fn outlined(shape: SplatShape) -> Footprint {
@@ -30,6 +31,7 @@ impl Frame {
             footprint: if flat { Footprint::Disc } else { footprint },
             radius_factor: settings.size * self.factors.radius,
             max_radius_px: settings.max_pixel_radius,
+            pixel_radius: settings.pixel_radius,
             opacity_factor: self.factors.opacity,
             part,
             shading: self.shading,

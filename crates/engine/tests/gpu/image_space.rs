@@ -14,7 +14,7 @@ use pellucid_reference::View;
 use pellucid_reference::range::{PictureRange, ROUNDING};
 use pellucid_scene::prepare;
 use pellucid_scene::{
-    self as scene, ColorSpace, Edl, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel,
+    self as scene, ColorSpace, Edl, ImageSpace, Iterations, Light, Method, Overrides, Scene, Shading, ShadingModel,
 };
 use pellucid_testing::*;
 use rand::RngExt;
@@ -28,8 +28,8 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Rendered {
 
 /// No filter at all, and layers a twentieth apart.
 const NONE: ImageSpace = ImageSpace {
-    fill: 0,
-    occlusion: 0,
+    fill: Iterations::Count(0),
+    occlusion: Iterations::Count(0),
     smooth: 0,
     antialias: false,
     antialias_threshold: 0.25,
@@ -63,11 +63,25 @@ fn images_equal_the_reference() {
         let default = ImageSpace::default();
         let cases = [
             (default, Shading::NONE, ColorSpace::Linear),
-            (ImageSpace { fill: 3, occlusion: 3, smooth: 3, cull: false, ..NONE }, SHADED, ColorSpace::Encoded),
-            (ImageSpace { fill: 2, antialias: true, antialias_threshold: 0.0, ..NONE }, SHADED, ColorSpace::Linear),
             (
                 ImageSpace {
-                    occlusion: 2,
+                    fill: Iterations::Count(3),
+                    occlusion: Iterations::Count(3),
+                    smooth: 3,
+                    cull: false,
+                    ..NONE
+                },
+                SHADED,
+                ColorSpace::Encoded,
+            ),
+            (
+                ImageSpace { fill: Iterations::Count(2), antialias: true, antialias_threshold: 0.0, ..NONE },
+                SHADED,
+                ColorSpace::Linear,
+            ),
+            (
+                ImageSpace {
+                    occlusion: Iterations::Count(2),
                     antialias: true,
                     antialias_threshold: 1.0,
                     min_layer_distance: Some(0.6),
@@ -77,6 +91,11 @@ fn images_equal_the_reference() {
                 ColorSpace::Linear,
             ),
             (ImageSpace { smooth: 1, ..NONE }, Shading::NONE, ColorSpace::Linear),
+            (
+                ImageSpace { fill: Iterations::Auto, occlusion: Iterations::Auto, ..NONE },
+                Shading::NONE,
+                ColorSpace::Linear,
+            ),
         ];
         for camera in [perspective(), orthographic()] {
             // Sparse ones, which leave holes, and enough for most pixels.
@@ -110,10 +129,10 @@ fn the_comparison_notices_other_settings() {
         };
         compared(&filters).expect("its own reference");
         for other in [
-            ImageSpace { fill: 0, ..filters },
-            ImageSpace { fill: 2, ..filters },
-            ImageSpace { occlusion: 0, ..filters },
-            ImageSpace { occlusion: 2, ..filters },
+            ImageSpace { fill: Iterations::Count(0), ..filters },
+            ImageSpace { fill: Iterations::Count(2), ..filters },
+            ImageSpace { occlusion: Iterations::Count(0), ..filters },
+            ImageSpace { occlusion: Iterations::Count(2), ..filters },
             ImageSpace { smooth: 0, ..filters },
             ImageSpace { smooth: 2, ..filters },
             ImageSpace { antialias: false, ..filters },
@@ -168,7 +187,7 @@ fn holes_are_filled_by_as_many_iterations_as_they_take() {
             let hole = |at: u32, from: u32| (from..from + side).contains(&at);
             let points = drawn(size, |x, y| !(hole(x, 4) && hole(y, 3)));
             let left = |fill| {
-                let image = shown(device, &points, size, ImageSpace { fill, ..NONE });
+                let image = shown(device, &points, size, ImageSpace { fill: Iterations::Count(fill), ..NONE });
                 assert!(image.rgba.iter().all(|c| *c == [1.0, 0.0, 0.0, 1.0] || *c == [0.0; 4]));
                 assert!(image.depth.iter().zip(&image.rgba).all(|(z, c)| (*z == 4.0) == (c[3] == 1.0)));
                 image.rgba.iter().filter(|c| c[3] == 0.0).count()
@@ -178,6 +197,44 @@ fn holes_are_filled_by_as_many_iterations_as_they_take() {
             assert_eq!(left(0), (side * side) as usize);
             assert_eq!(left(100), 0);
         }
+    });
+}
+
+#[test]
+fn filters_run_until_nothing_changes() {
+    with_device(|device| {
+        let rendered = |points: &Points, size, filters| {
+            render_both(device, points, &frame(pixel_camera(size), size, Method::ImageSpace(filters)))
+        };
+        // A hole of 11 pixels takes 14 iterations, of background or of what lies behind; what follows has no tiles.
+        let size = [40, 36];
+        let is_hole = |x: u32, y: u32| (9..20).contains(&x) && (7..18).contains(&y);
+        let front = drawn(size, |x, y| !is_hole(x, y));
+        let all = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+        let behind = all.map(|[x, y]| if is_hole(x, y) { at(x, y, 9.0, Vec3::Y) } else { at(x, y, 4.0, Vec3::X) });
+        let behind = scene(&behind.collect::<Vec<_>>());
+        let fill = |fill| ImageSpace { fill, ..NONE };
+        // Fewer iterations before those of the other filter must not count as its own.
+        let occlusion = |occlusion| ImageSpace { fill: Iterations::Count(3), occlusion, ..NONE };
+        for (points, of, place) in [(&front, &fill as &dyn Fn(Iterations) -> ImageSpace, 0), (&behind, &occlusion, 1)] {
+            let auto = rendered(points, size, of(Iterations::Auto));
+            assert!(auto.image.depth.iter().all(|z| *z == 4.0));
+            let counted = |count| rendered(points, size, of(Iterations::Count(count)));
+            assert!(bits(&counted(13).image) != bits(&auto.image));
+            for count in [14, 64, 200] {
+                let counted = counted(count);
+                assert!(bits(&counted.image) == bits(&auto.image), "{count}");
+                assert_eq!(counted.facts.closing_runs, auto.facts.closing_runs);
+            }
+            assert_eq!(auto.facts.closing_runs[place], 14);
+        }
+        // A hole of 50 pixels takes 72: they end after 64.
+        let size = [58, 58];
+        let large = drawn(size, |x, y| !((4..54).contains(&x) && (4..54).contains(&y)));
+        let auto = rendered(&large, size, fill(Iterations::Auto));
+        assert_eq!(auto.facts.closing_runs, [64, 0]);
+        assert!(bits(&rendered(&large, size, fill(Iterations::Count(64))).image) == bits(&auto.image));
+        assert!(bits(&rendered(&large, size, fill(Iterations::Count(65))).image) != bits(&auto.image));
     });
 }
 
@@ -197,7 +254,7 @@ fn silhouettes_do_not_grow() {
             let points = drawn(size, is_there);
             let plain = shown(device, &points, size, NONE);
             for fill in [1, 3, 40] {
-                let filled = shown(device, &points, size, ImageSpace { fill, ..NONE });
+                let filled = shown(device, &points, size, ImageSpace { fill: Iterations::Count(fill), ..NONE });
                 assert!(bits(&filled) == bits(&plain), "shape {which}, {fill} iterations");
             }
         }
@@ -220,7 +277,12 @@ fn a_plane_is_as_it_was_after_the_filter_of_occluded_pixels() {
                 .collect();
             let points = scene(&plane);
             let of = |occlusion, distance| {
-                shown(device, &points, size, ImageSpace { occlusion, min_layer_distance: Some(distance), ..NONE })
+                shown(
+                    device,
+                    &points,
+                    size,
+                    ImageSpace { occlusion: Iterations::Count(occlusion), min_layer_distance: Some(distance), ..NONE },
+                )
             };
             let plain = of(0, distance);
             assert!(plain.rgba.iter().all(|c| c[3] == 1.0));
@@ -247,7 +309,8 @@ fn what_shows_through_a_hole_is_replaced() {
         let front = all.clone().filter(|(x, y)| !is_hole(*x, *y)).map(|(x, y)| at(x, y, 4.0, Vec3::X));
         let points = scene(&front.chain(all.map(|(x, y)| at(x, y, 9.0, Vec3::Y))).collect::<Vec<_>>());
         let of = |occlusion, distance| {
-            let filters = ImageSpace { occlusion, min_layer_distance: Some(distance), ..NONE };
+            let filters =
+                ImageSpace { occlusion: Iterations::Count(occlusion), min_layer_distance: Some(distance), ..NONE };
             let image = shown(device, &points, size, filters);
             image.depth.iter().filter(|z| **z == 9.0).count()
         };
@@ -256,7 +319,7 @@ fn what_shows_through_a_hole_is_replaced() {
         assert_eq!([of(1, 1.0), of(2, 1.0), of(4, 1.0), of(5, 1.0)], [21, 13, 5, 0]);
         // Layers nearer than d̃ are one.
         assert_eq!(of(3, 5.5), 28);
-        let filters = ImageSpace { occlusion: 5, min_layer_distance: Some(1.0), ..NONE };
+        let filters = ImageSpace { occlusion: Iterations::Count(5), min_layer_distance: Some(1.0), ..NONE };
         let image = shown(device, &points, size, filters);
         assert!(image.rgba.iter().all(|c| *c == [1.0, 0.0, 0.0, 1.0]));
     });
@@ -339,7 +402,10 @@ fn shuffled_input_changes_no_byte_although_depths_tie() {
             forward: DVec3::NEG_Z,
             ..orthographic()
         };
-        for filters in [ImageSpace::default(), ImageSpace { fill: 3, occlusion: 2, smooth: 2, cull: false, ..NONE }] {
+        for filters in [
+            ImageSpace::default(),
+            ImageSpace { fill: Iterations::Count(3), occlusion: Iterations::Count(2), smooth: 2, cull: false, ..NONE },
+        ] {
             let frame = Frame { shading: SHADED, ..frame(camera, [70, 70], Method::ImageSpace(filters)) };
             let first = bits(&render_both(device, &scene(&points), &frame).image);
             points.shuffle(&mut random(9));
@@ -352,7 +418,12 @@ fn shuffled_input_changes_no_byte_although_depths_tie() {
 fn no_budget_and_no_other_frame_changes_a_byte() {
     with_device(|device| {
         let points = scene(&soup(31, 12_000, 0.0..0.1, 0.1..0.9, true));
-        let filters = ImageSpace { fill: 3, occlusion: 3, smooth: 3, ..ImageSpace::default() };
+        let filters = ImageSpace {
+            fill: Iterations::Count(3),
+            occlusion: Iterations::Count(3),
+            smooth: 3,
+            ..ImageSpace::default()
+        };
         let mut frame = Frame { shading: SHADED, ..frame(perspective(), [150, 110], Method::ImageSpace(filters)) };
         let mut renderer = Renderer::new(device).expect("a renderer");
         let mut cloud = renderer.upload(&points).expect("fits");
@@ -371,6 +442,24 @@ fn no_budget_and_no_other_frame_changes_a_byte() {
         renderer.render(&mut cloud, &other).expect("renders");
         renderer.render(&mut cloud, &Frame { method: Method::Points, ..frame }).expect("renders");
         assert!(bits(&renderer.render(&mut cloud, &frame).expect("renders").image) == bits(&whole.image));
+    });
+}
+
+#[test]
+fn no_budget_changes_filters_that_run_until_nothing_changes() {
+    with_device(|device| {
+        // The halo of both filters is 128 pixels to each side, of an image that is wide enough for it.
+        let points = scene(&soup(32, 60_000, 0.0..0.1, 0.1..0.9, true));
+        let filters =
+            ImageSpace { fill: Iterations::Auto, occlusion: Iterations::Auto, smooth: 0, antialias: false, ..NONE };
+        let mut frame = frame(perspective(), [900, 40], Method::ImageSpace(filters));
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&points).expect("fits");
+        let whole = renderer.render(&mut cloud, &frame).expect("renders");
+        frame.memory_budget = Some(3 << 20);
+        let cut = renderer.render(&mut cloud, &frame).expect("renders");
+        assert!(whole.facts.windows == 1 && cut.facts.windows > 1, "{} windows", cut.facts.windows);
+        assert!(bits(&cut.image) == bits(&whole.image), "{:?}", cut.facts);
     });
 }
 
@@ -423,7 +512,8 @@ fn assert_scan(device: &Device, path: PathBuf, size: [u32; 2], enough: usize) {
     let all = scene::assemble(&scene, clouds, false, &progress).expect("points");
     let (camera, _) = scene::camera(&scene, &all, up).expect("a camera");
     let distance = prepare::layer_distance::suggest(&all).expect("a surface") as f32;
-    let filters = ImageSpace { fill: 2, min_layer_distance: Some(distance), ..ImageSpace::default() };
+    let filters =
+        ImageSpace { fill: Iterations::Count(2), min_layer_distance: Some(distance), ..ImageSpace::default() };
     let points = clear_of(&all, &camera, size, &Shading::NONE);
     let frame = frame(camera, size, Method::ImageSpace(filters));
     let wanted = reference_of(&points, &camera, &frame, &filters);
@@ -440,7 +530,10 @@ fn assert_scan(device: &Device, path: PathBuf, size: [u32; 2], enough: usize) {
         inside.filter(|p| !there(*p) && ring.iter().all(|o| there(p - o) && there(p + o))).count()
     };
     // An iteration more than the reference's: the last ones have their ring since the second only.
-    let (before, after) = (holes(ImageSpace { fill: 0, ..filters }), holes(ImageSpace { fill: 3, ..filters }));
+    let (before, after) = (
+        holes(ImageSpace { fill: Iterations::Count(0), ..filters }),
+        holes(ImageSpace { fill: Iterations::Count(3), ..filters }),
+    );
     println!("holes of one pixel: {before}, filled: {after}");
     assert!(before > enough && after == 0, "{before} {after}");
 }

@@ -12,7 +12,8 @@ use pellucid_reference as reference;
 use pellucid_reference::View;
 use pellucid_reference::range::{PictureRange, ROUNDING};
 use pellucid_scene::{
-    self as scene, ColorSpace, ImageSpace, Method, Overrides, PeelLayers, Scene, Shading, ShadingModel, procedural,
+    self as scene, ColorSpace, ImageSpace, Iterations, Method, Overrides, PeelLayers, Scene, Shading, ShadingModel,
+    procedural,
 };
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
@@ -24,8 +25,8 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Rendered {
 }
 
 const NONE: ImageSpace = ImageSpace {
-    fill: 0,
-    occlusion: 0,
+    fill: Iterations::Count(0),
+    occlusion: Iterations::Count(0),
     smooth: 0,
     antialias: false,
     antialias_threshold: 0.25,
@@ -34,7 +35,7 @@ const NONE: ImageSpace = ImageSpace {
 };
 
 fn layers(filters: ImageSpace, layers: u32) -> PeelLayers {
-    PeelLayers { filters, layers }
+    PeelLayers { filters, layers, ..PeelLayers::default() }
 }
 
 /// Bound of colors: that of `image_space.rs`, which layers have in proportion to what is seen of them, and four
@@ -66,12 +67,36 @@ fn layers_equal_the_reference() {
             (layers(NONE, 4), Shading::NONE, ColorSpace::Linear),
             (PeelLayers::default(), shaded, ColorSpace::Encoded),
             (
-                layers(ImageSpace { fill: 2, occlusion: 2, smooth: 1, cull: true, ..NONE }, 9),
+                layers(
+                    ImageSpace {
+                        fill: Iterations::Count(2),
+                        occlusion: Iterations::Count(2),
+                        smooth: 1,
+                        cull: true,
+                        ..NONE
+                    },
+                    9,
+                ),
                 shaded,
                 ColorSpace::Linear,
             ),
-            (layers(ImageSpace { occlusion: 1, antialias: true, ..NONE }, 3), Shading::NONE, ColorSpace::Linear),
-            (layers(ImageSpace { fill: 1, occlusion: 1, ..NONE }, 1), Shading::NONE, ColorSpace::Linear),
+            (
+                layers(ImageSpace { occlusion: Iterations::Count(1), antialias: true, ..NONE }, 3),
+                Shading::NONE,
+                ColorSpace::Linear,
+            ),
+            (PeelLayers { only: Some(1), ..PeelLayers::default() }, shaded, ColorSpace::Linear),
+            (PeelLayers { only: Some(3), ..PeelLayers::default() }, shaded, ColorSpace::Encoded),
+            (
+                layers(ImageSpace { fill: Iterations::Auto, occlusion: Iterations::Auto, ..NONE }, 3),
+                Shading::NONE,
+                ColorSpace::Linear,
+            ),
+            (
+                layers(ImageSpace { fill: Iterations::Count(1), occlusion: Iterations::Count(1), ..NONE }, 1),
+                Shading::NONE,
+                ColorSpace::Linear,
+            ),
         ];
         for camera in [perspective(), orthographic()] {
             for (settings, shading, color) in cases {
@@ -101,8 +126,8 @@ fn the_comparison_notices_other_settings() {
         for other in [
             layers(filters, 3),
             layers(filters, 5),
-            layers(ImageSpace { fill: 2, ..filters }, 4),
-            layers(ImageSpace { occlusion: 0, ..filters }, 4),
+            layers(ImageSpace { fill: Iterations::Count(2), ..filters }, 4),
+            layers(ImageSpace { occlusion: Iterations::Count(0), ..filters }, 4),
             layers(ImageSpace { smooth: 0, ..filters }, 4),
             layers(ImageSpace { antialias: false, ..filters }, 4),
             layers(ImageSpace { min_layer_distance: Some(0.6), ..filters }, 4),
@@ -147,7 +172,8 @@ fn planes_are_blended_by_their_opacities() {
         for (points, planes) in [(&two, 2), (&three, 3)] {
             for most in 1..=5 {
                 // Filters do nothing to full planes, but at the border of the image antialiasing would.
-                let filters = ImageSpace { fill: 1, occlusion: 1, smooth: 1, ..NONE };
+                let filters =
+                    ImageSpace { fill: Iterations::Count(1), occlusion: Iterations::Count(1), smooth: 1, ..NONE };
                 let rendered = shown(device, points, size, layers(filters, most));
                 let count = most.min(planes);
                 let of = |layer, value| if layer <= count { value } else { 0.0 };
@@ -196,7 +222,7 @@ fn the_back_is_not_lost_behind_filled_holes() {
         let points = [front, plane(size, 8.0, Vec3::Y, 0.5)].concat();
         let unfilled = shown(device, &points, size, layers(NONE, 4));
         assert!(unfilled.image.rgba[40] == [0.0, 0.5, 0.0, 0.5], "{:?}", unfilled.image.rgba[40]);
-        let filled = shown(device, &points, size, layers(ImageSpace { occlusion: 1, ..NONE }, 4));
+        let filled = shown(device, &points, size, layers(ImageSpace { occlusion: Iterations::Count(1), ..NONE }, 4));
         // Those inside, where no mask reaches over the image's border.
         for y in 1..8 {
             for x in 1..8 {
@@ -277,7 +303,12 @@ fn nested_tori_have_a_layer_for_each_surface_that_a_ray_meets() {
         // A spacing of 0.008 and pixels of 0.018: up to 60° the depths of neighbors differ by less than this, and the
         // tubes are 0.15 apart.
         let distance = 0.08;
-        let filters = ImageSpace { fill: 2, occlusion: 2, min_layer_distance: Some(distance), ..NONE };
+        let filters = ImageSpace {
+            fill: Iterations::Count(2),
+            occlusion: Iterations::Count(2),
+            min_layer_distance: Some(distance),
+            ..NONE
+        };
         let frame = frame(camera, size, Method::PeelLayers(layers(filters, 16)));
         let rendered = render_both(device, &points, &frame);
         let counts = rendered.image.layers.as_ref().expect("they were asked for");
@@ -337,8 +368,8 @@ fn no_budget_and_no_other_frame_changes_a_byte() {
     with_device(|device| {
         let points = scene(&soup(31, 12_000, 0.0..0.1, 0.1..0.9, true));
         let filters = ImageSpace {
-            fill: 2,
-            occlusion: 2,
+            fill: Iterations::Count(2),
+            occlusion: Iterations::Count(2),
             smooth: 2,
             min_layer_distance: Some(0.1),
             ..PeelLayers::default().filters
@@ -371,9 +402,44 @@ fn one_opaque_layer_is_image_space() {
         let mut soup = soup(8, 6000, 0.0..0.1, 0.1..0.9, true);
         soup.iter_mut().for_each(|p| p.opacity = 1.0);
         let points = scene(&soup);
-        for filters in [ImageSpace::default(), ImageSpace { fill: 2, smooth: 2, ..NONE }] {
+        for filters in [ImageSpace::default(), ImageSpace { fill: Iterations::Count(2), smooth: 2, ..NONE }] {
             let of = |method| bits(&render_both(device, &points, &frame(perspective(), [80, 60], method)).image);
             assert!(of(Method::PeelLayers(layers(filters, 1))) == of(Method::ImageSpace(filters)));
         }
+    });
+}
+
+#[test]
+fn a_layer_shown_alone_is_as_it_is_behind_the_others() {
+    with_device(|device| {
+        let size = [30, 20];
+        let sheets = [(3.0, Vec3::X, 0.5), (4.0, Vec3::Y, 1.0), (5.0, Vec3::Z, 0.25), (6.0, Vec3::ONE, 0.0)];
+        let all: Vec<P> = sheets.iter().flat_map(|(z, color, opacity)| plane(size, *z, *color, *opacity)).collect();
+        let points = scene(&all);
+        let alone = |only, layers| {
+            let settings = PeelLayers { filters: NONE, layers, only: Some(only) };
+            render_both(device, &points, &frame(pixel_camera(size), size, Method::PeelLayers(settings)))
+        };
+        for (number, (z, color, opacity)) in (1..).zip(sheets) {
+            let found = alone(number, 9);
+            let wanted = (opacity * color).extend(opacity).to_array();
+            let depth = if opacity > 0.0 { z as f32 } else { f32::INFINITY };
+            assert!(found.image.rgba.iter().all(|rgba| *rgba == wanted), "{number}: {:?}", found.image.rgba[0]);
+            assert!(found.image.depth.iter().all(|z| *z == depth), "{number}: {}", found.image.depth[0]);
+            assert!(found.image.layers.expect("asked for").iter().all(|layers| *layers == 1));
+            // None is peeled behind it.
+            assert_eq!(found.facts.layers, number);
+            assert!(bits(&alone(number, number).image) == bits(&alone(number, 9).image));
+        }
+        let none = alone(5, 5);
+        assert!(none.image.rgba.iter().all(|rgba| *rgba == [0.0; 4]));
+        assert!(none.image.depth.iter().all(|z| *z == f32::INFINITY));
+        // Beyond a batch of layers.
+        let many: Vec<P> =
+            (0..12u8).flat_map(|i| plane(size, 3.0 + f64::from(i), Vec3::splat(f32::from(i) / 16.0), 0.5)).collect();
+        let points = scene(&many);
+        let settings = PeelLayers { filters: NONE, layers: 12, only: Some(11) };
+        let found = render_both(device, &points, &frame(pixel_camera(size), size, Method::PeelLayers(settings)));
+        assert_eq!((found.image.rgba[77], found.image.depth[77]), ([0.3125, 0.3125, 0.3125, 0.5], 13.0));
     });
 }

@@ -5,8 +5,8 @@ use pellucid_core::points::Points;
 use pellucid_engine::methods::{Facts, Renderer};
 use pellucid_engine::plan::{plan, resolve};
 use pellucid_scene::{
-    BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, MethodChoice, Mlab, Moments, OneLayer,
-    Peel, PeelLayers, Raster, ScreenSplats, Soft, Stochastic, Wavelet,
+    BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, Iterations, LongLists, Method, MethodChoice, Mlab, Moments,
+    OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Soft, Stochastic, Wavelet,
 };
 use pellucid_testing::{P, at_pixel, frame, perspective, pixel_camera, scene, soup, with_device};
 
@@ -196,8 +196,8 @@ fn filters_run_over_tiles_that_they_may_change() {
         let of = |points: &Points, iterations: u32, smooth: u32| {
             let distance = Some(0.5);
             let filters = ImageSpace {
-                fill: iterations,
-                occlusion: iterations,
+                fill: Iterations::Count(iterations),
+                occlusion: Iterations::Count(iterations),
                 smooth,
                 min_layer_distance: distance,
                 ..ImageSpace::default()

@@ -12,7 +12,8 @@ use pellucid_testing::*;
 use rand::RngExt;
 
 /// Discs of radius 0: one pixel each, by way of splats.
-const DOTS: Method = Method::Circles(ScreenSplats { size: 0.0, max_pixel_radius: 25.0, raster: Raster::Auto });
+const DOTS: Method =
+    Method::Circles(ScreenSplats { size: 0.0, max_pixel_radius: 25.0, pixel_radius: None, raster: Raster::Auto });
 
 /// Asserts that points and dots give the same bytes, with both kinds of atomics; how many pixels were drawn.
 #[track_caller]

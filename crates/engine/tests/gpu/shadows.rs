@@ -521,7 +521,7 @@ fn all_opaque_methods_take_shadows() {
             Method::Hqs(BlendedSplats::default()),
             Method::Splats(BlendedSplats::default()),
             Method::ImageSpace(filters),
-            Method::PeelLayers(PeelLayers { filters, layers: 3 }),
+            Method::PeelLayers(PeelLayers { filters, layers: 3, ..PeelLayers::default() }),
         ] {
             assert!(method.takes_shadows());
             let cast = Frame { method, ..lit_frame(camera(size, 70.0), size, DOWN, hard(128, 5.0)) };

@@ -2,6 +2,7 @@
 //! atomics.
 
 use glam::{DVec3, Vec3};
+use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
@@ -43,9 +44,11 @@ fn rasterized(method: Method) -> Option<Method> {
     })
 }
 
-const METHODS: [(Method, Shape, ScreenSplats); 9] = {
-    let plain = ScreenSplats { size: 1.0, max_pixel_radius: 25.0, raster: Raster::Auto };
-    let other = ScreenSplats { size: 1.7, max_pixel_radius: 4.0, raster: Raster::Auto };
+const METHODS: [(Method, Shape, ScreenSplats); 12] = {
+    let plain = ScreenSplats { size: 1.0, max_pixel_radius: 25.0, pixel_radius: None, raster: Raster::Auto };
+    let other = ScreenSplats { size: 1.7, max_pixel_radius: 4.0, pixel_radius: None, raster: Raster::Auto };
+    let fixed = ScreenSplats { size: 1.7, max_pixel_radius: 25.0, pixel_radius: Some(1.3), raster: Raster::Auto };
+    let clamped = ScreenSplats { size: 1.0, max_pixel_radius: 1.5, pixel_radius: Some(5.0), raster: Raster::Auto };
     [
         (Method::Points, Shape::Point, plain),
         (Method::Squares(plain), Shape::Square, plain),
@@ -56,6 +59,9 @@ const METHODS: [(Method, Shape, ScreenSplats); 9] = {
         (Method::Cone(Interpolated { splats: other, shape: SplatShape::Circle }), Shape::Disc, other),
         (Method::Cone(Interpolated { splats: plain, shape: SplatShape::Square }), Shape::Square, plain),
         (Method::Sphere(plain), Shape::Disc, plain),
+        (Method::Circles(fixed), Shape::Disc, fixed),
+        (Method::Sphere(clamped), Shape::Disc, clamped),
+        (Method::Paraboloid(Interpolated { splats: fixed, shape: SplatShape::Square }), Shape::Square, fixed),
     ]
 };
 
@@ -114,7 +120,7 @@ fn shuffled_input_changes_no_byte_although_depths_tie() {
         for p in &mut points {
             p.position.z = (p.position.z * 2.0).round() / 2.0;
         }
-        let camera = pellucid_core::camera::Camera { eye: DVec3::new(0.0, 0.0, 4.0), ..straight() };
+        let camera = Camera { eye: DVec3::new(0.0, 0.0, 4.0), ..straight() };
         for (method, _, _) in METHODS {
             let frame = frame(camera, [100, 100], method);
             let first = bits(&render_both(device, &scene(&points), &frame));
@@ -124,8 +130,8 @@ fn shuffled_input_changes_no_byte_although_depths_tie() {
     });
 }
 
-fn straight() -> pellucid_core::camera::Camera {
-    use pellucid_core::camera::{Camera, Projection::Orthographic};
+fn straight() -> Camera {
+    use pellucid_core::camera::Projection::Orthographic;
     Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, Orthographic { height: 2.5 }, 0.1, 100.0).expect("valid")
 }
 
@@ -150,5 +156,47 @@ fn opacity_is_ignored_and_the_nearest_wins() {
             assert_eq!(image.depth[4], 2.0);
             assert_eq!(image.rgba.iter().filter(|c| c[3] == 1.0).count(), covered);
         }
+    });
+}
+
+#[test]
+fn a_radius_in_pixels_is_the_same_at_every_depth() {
+    with_device(|device| {
+        let camera = Camera { near: 0.01, far: 1e6, ..pixel_camera([40, 40]) };
+        let perspective =
+            Camera { projection: Projection::Perspective { fov_y: 0.8 }, eye: DVec3::new(20.0, -20.0, 0.0), ..camera };
+        let settings = ScreenSplats { pixel_radius: Some(4.0), size: 9.0, ..ScreenSplats::default() };
+        let relief = Interpolated { splats: settings, shape: SplatShape::Square };
+        for camera in [camera, perspective] {
+            for z in [0.5, 40.0, 40_000.0] {
+                for radius in [0.0, 1.0, f32::MAX] {
+                    let position = DVec3::new(20.0, -20.0, -z);
+                    let points = scene(&[P { position, color: Vec3::ONE, opacity: 1.0, radius, normal: Vec3::ZERO }]);
+                    // The center is a corner of four pixels: offsets of a half, 1½, 2½, 3½; the square has 8 × 8.
+                    for (method, wanted) in
+                        [(Method::Circles(settings), 52), (Method::Squares(settings), 64), (Method::Cone(relief), 64)]
+                    {
+                        let image = render_both(device, &points, &frame(camera, [40, 40], method));
+                        let covered = image.rgba.iter().filter(|rgba| rgba[3] == 1.0).count();
+                        assert_eq!(covered, wanted, "{} at {z}, radius {radius}", method.name());
+                    }
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn splats_of_a_pixel_radius_reach_into_windows_beside_their_points() {
+    with_device(|device| {
+        let points = scene(&soup(7, 400, 0.0..0.01, 0.1..0.9, false));
+        let settings = ScreenSplats { pixel_radius: Some(20.0), ..ScreenSplats::default() };
+        let whole = frame(perspective(), [120, 90], Method::Circles(settings));
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&points).expect("fits");
+        let free = renderer.render(&mut cloud, &whole).expect("renders");
+        let cut = renderer.render(&mut cloud, &Frame { memory_budget: Some(128 << 10), ..whole }).expect("renders");
+        assert!(cut.facts.windows > free.facts.windows, "{}", cut.facts.windows);
+        assert!(bits(&cut.image) == bits(&free.image));
     });
 }

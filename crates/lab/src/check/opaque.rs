@@ -26,6 +26,8 @@ pub(super) fn cases() -> Vec<Case> {
             .about("radii of 0, 1e-45 and 1e-3 next to a pixel's center: the pixel, at the point's depth"),
         each(&splats, "huge-radius", huge_radius)
             .about("a radius of 3.4e38 is drawn 25 pixels wide: pixels that differ"),
+        each(&splats, "pixel-radius", pixel_radius)
+            .about("pixel_radius of 3, from 1 to 4 million units away, radii of 0 to 3.4e38: pixels that differ"),
         each(&blended, "equal-colors", equal_colors).about("the mean of 100 000 splats of one color is that color"),
         each(&hqs, "limit", limit)
             .about("a splat exactly one radius behind the nearest is blended, one a unit behind that is not"),
@@ -130,6 +132,33 @@ fn huge_radius(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let wanted = |pixel: usize| if inside(pixel) { [1.0; 4] } else { [0.0; 4] };
     let error = (0..64 * 64).filter(|pixel| image.rgba[*pixel] != wanted(*pixel)).count();
     let naive = (0..64 * 64).filter(|pixel| !inside(*pixel)).count();
+    Ok(Finding::counted(error, naive))
+}
+
+fn pixel_radius(stage: &mut CaseRenderer, method: Method) -> CaseResult {
+    let method = method.with("pixel_radius", 3.0.into())?;
+    let size = [24, 24];
+    let eye = DVec3::new(12.0, -12.0, 0.0);
+    let camera = Camera { projection: Projection::Perspective { fov_y: 0.5 }, eye, ..pixels(size) };
+    // The center is a corner of pixels.
+    let inside = |pixel: usize| {
+        let [x, y] = [pixel % 24, pixel / 24].map(|c| (c as f64 - 11.5).abs());
+        if matches!(method, Method::Squares(_)) { x.max(y) <= 3.0 } else { x.hypot(y) <= 3.0 }
+    };
+    let (mut error, mut naive) = (0, usize::MAX);
+    for (depth, radius) in [(1.0, 0.0), (40.0, 1.0), (4e6, f32::MAX)] {
+        let dot = Dot { position: eye - depth * DVec3::Z, radius, ..Dot::default() };
+        let image = stage.image(&[dot], camera, size, method)?;
+        let wanted = |pixel: usize| if inside(pixel) { [1.0; 4] } else { [0.0; 4] };
+        error += (0..24 * 24).filter(|pixel| image.rgba[*pixel] != wanted(*pixel)).count();
+        // With radii in the world.
+        let scale = camera.pixels_per_unit(depth, size[1]) * f64::from(radius);
+        let in_the_world = |pixel: usize| {
+            let [x, y] = [pixel % 24, pixel / 24].map(|c| (c as f64 - 11.5).abs());
+            x.hypot(y) <= scale.min(25.0)
+        };
+        naive = naive.min((0..24 * 24).filter(|pixel| in_the_world(*pixel) != inside(*pixel)).count());
+    }
     Ok(Finding::counted(error, naive))
 }
 

@@ -18,9 +18,9 @@ use pellucid_scene::prepare::Arranged;
 use pellucid_scene::prepare::{ensembles, order};
 use pellucid_scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, GaussianSettings, Hybrid, ImageSpace,
-    Interpolated, Kernel, Light, LongLists, Method, MethodChoice, Mlab, MomentCount, Moments, OneLayer, Order, Peel,
-    PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr, SpbrSimplified,
-    SplatShape, Stochastic, Tail, Wavelet,
+    Interpolated, Iterations, Kernel, Light, LongLists, Method, MethodChoice, Mlab, MomentCount, Moments, OneLayer,
+    Order, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr,
+    SpbrSimplified, SplatShape, Stochastic, Tail, Wavelet,
 };
 
 /// A scene for a method.
@@ -303,8 +303,13 @@ fn soft() -> Vec<MethodScene> {
 
 /// Surfaces of points that are closed in the image.
 fn surfaces() -> Vec<MethodScene> {
-    let filters = ImageSpace { fill: 2, occlusion: 2, min_layer_distance: Some(0.1), ..ImageSpace::default() };
-    let layers = PeelLayers { filters: ImageSpace { cull: false, ..filters }, layers: 3 };
+    let filters = ImageSpace {
+        fill: Iterations::Count(2),
+        occlusion: Iterations::Count(2),
+        min_layer_distance: Some(0.1),
+        ..ImageSpace::default()
+    };
+    let layers = PeelLayers { filters: ImageSpace { cull: false, ..filters }, layers: 3, ..PeelLayers::default() };
     vec![
         subject(Method::ImageSpace(filters), "", clouds::surfaces(), lit),
         subject(Method::PeelLayers(layers), "", clouds::surfaces(), as_it_is),

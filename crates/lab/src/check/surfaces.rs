@@ -5,12 +5,12 @@ use super::discs::extremes;
 use super::naive::peel;
 use super::prelude::*;
 use pellucid_engine::methods::Rendered;
-use pellucid_scene::{ImageSpace, MAX_POINT_LAYERS, PeelLayers};
+use pellucid_scene::{ImageSpace, Iterations, MAX_POINT_LAYERS, PeelLayers};
 
 /// Settings without any filter.
 const PLAIN: ImageSpace = ImageSpace {
-    fill: 0,
-    occlusion: 0,
+    fill: Iterations::Count(0),
+    occlusion: Iterations::Count(0),
     smooth: 0,
     antialias: false,
     antialias_threshold: 0.25,
@@ -21,10 +21,13 @@ const PLAIN: ImageSpace = ImageSpace {
 const PIXEL: f64 = 20.0;
 
 pub(super) fn cases() -> Vec<Case> {
-    let filters = ImageSpace { fill: 2, occlusion: 2, smooth: 2, antialias: true, ..PLAIN };
-    let both = [Method::ImageSpace(filters), Method::PeelLayers(PeelLayers { filters, layers: 3 })];
+    let filters =
+        ImageSpace { fill: Iterations::Count(2), occlusion: Iterations::Count(2), smooth: 2, antialias: true, ..PLAIN };
+    let both =
+        [Method::ImageSpace(filters), Method::PeelLayers(PeelLayers { filters, layers: 3, ..PeelLayers::default() })];
     let alone = vec![
         one("image-space/holes", "square holes, 1 to 6 wide: closed after 1, 1, 2, 3, 5, 6 fills and no sooner", holes),
+        one("image-space/auto", "filters that run until nothing changes: bytes of 64 iterations", settled),
         one("image-space/silhouette", "40 fills beside borders along the axes and at 45 degrees: nothing", silhouette),
         one("image-space/tilted-plane", "the filter of occluded pixels on tilted planes: no byte changes", tilted),
         one("image-space/tiny-distance", "d̃ of 1e-30: one surface is left, one a unit behind is replaced", tiny),
@@ -35,8 +38,9 @@ pub(super) fn cases() -> Vec<Case> {
         one("peel-layers/tiny-distance", "d̃ of 1e-30: surfaces a unit apart are two layers, each once", tiny_layers),
         one("peel-layers/huge-distance", "d̃ of 3e38: one layer", huge_layers),
         one("peel-layers/three-planes", "opacities of 0.3, 0.6 and 0.9, shuffled, against float64", three_planes),
+        one("peel-layers/only", "each of three planes alone: its color, opacity and depth", alone),
         one("peel-layers/opacity-0-and-1", "nothing shows of opacity 0, or behind opacity 1", |stage| {
-            extremes(stage, Method::PeelLayers(PeelLayers { filters: PLAIN, layers: 9 }))
+            extremes(stage, Method::PeelLayers(PeelLayers { filters: PLAIN, layers: 9, ..PeelLayers::default() }))
         }),
         one("peel-layers/ends", "0, 1, 8, 9 and 17 surfaces: as many layers as there are", ends),
         one("peel-layers/all-equal", "500 points in one place, d̃ of 1% of nothing: one layer", all_equal),
@@ -60,7 +64,7 @@ fn layered(
     filters: ImageSpace,
     layers: u32,
 ) -> Result<Rendered> {
-    let method = Method::PeelLayers(PeelLayers { filters, layers });
+    let method = Method::PeelLayers(PeelLayers { filters, layers, ..PeelLayers::default() });
     Ok(stage.render(&cloud(dots), &Frame::new(pixels(size), size, method))?)
 }
 
@@ -90,7 +94,7 @@ fn holes(stage: &mut CaseRenderer) -> CaseResult {
         let is_hole = |x: u32, y: u32| (4..4 + side).contains(&x) && (3..3 + side).contains(&y);
         let sheet = surface(size, red, |x, y| (!is_hole(x, y)).then_some(4.0));
         let mut left = |fill| -> Result<usize> {
-            let image = image(stage, &sheet, size, ImageSpace { fill, ..PLAIN })?;
+            let image = image(stage, &sheet, size, ImageSpace { fill: Iterations::Count(fill), ..PLAIN })?;
             let full = |(rgba, z): &(&[f32; 4], &f32)| **rgba == [1.0, 0.0, 0.0, 1.0] && **z == 4.0;
             Ok(image.rgba.len() - image.rgba.iter().zip(&image.depth).filter(full).count())
         };
@@ -99,6 +103,26 @@ fn holes(stage: &mut CaseRenderer) -> CaseResult {
     // Whatever has a neighbor takes it: a hole is closed from all sides, half its width at a time.
     let naive = known.iter().filter(|(side, iterations)| side.div_ceil(2) != *iterations).count();
     Ok(Finding::counted(error, naive))
+}
+
+fn settled(stage: &mut CaseRenderer) -> CaseResult {
+    let (mut error, mut naive) = (0.0, f64::INFINITY);
+    // Square holes, of background and of a surface behind, which take from 2 to more than 64 iterations.
+    for side in [3, 8, 50] {
+        let size = [side + 8, side + 6];
+        let is_hole = |x: u32, y: u32| (4..4 + side).contains(&x) && (3..3 + side).contains(&y);
+        let torn = surface(size, red, |x, y| (!is_hole(x, y)).then_some(4.0));
+        let deep = surface(size, mixed, |x, y| Some(if is_hole(x, y) { 9.0 } else { 4.0 }));
+        for dots in [torn, deep] {
+            let mut of = |fill, occlusion| image(stage, &dots, size, ImageSpace { fill, occlusion, ..PLAIN });
+            let [once, many] = [Iterations::Count(1), Iterations::Count(64)];
+            let auto = of(Iterations::Auto, Iterations::Auto)?;
+            error += bytes_apart(&auto, &of(many, many)?);
+            // An end after the first iteration, as if no more changed.
+            naive = naive.min(bytes_apart(&of(once, once)?, &auto));
+        }
+    }
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn silhouette(stage: &mut CaseRenderer) -> CaseResult {
@@ -114,7 +138,7 @@ fn silhouette(stage: &mut CaseRenderer) -> CaseResult {
     for is_there in shapes {
         let dots = surface(size, red, |x, y| is_there(x, y).then_some(4.0));
         let plain = image(stage, &dots, size, PLAIN)?;
-        error += bytes_apart(&image(stage, &dots, size, ImageSpace { fill: 40, ..PLAIN })?, &plain);
+        error += bytes_apart(&image(stage, &dots, size, ImageSpace { fill: Iterations::Count(40), ..PLAIN })?, &plain);
         // Whatever has a neighbor takes it.
         let all = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
         let has = |x: u32, y: u32| (y.saturating_sub(1)..=y + 1).any(|y| is_there(x.saturating_sub(1), y));
@@ -134,7 +158,10 @@ fn tilted(stage: &mut CaseRenderer) -> CaseResult {
         let filters = ImageSpace { min_layer_distance: Some(distance), ..PLAIN };
         let plain = image(stage, &dots, size, filters)?;
         for occlusion in [1, 5] {
-            error += bytes_apart(&image(stage, &dots, size, ImageSpace { occlusion, ..filters })?, &plain);
+            error += bytes_apart(
+                &image(stage, &dots, size, ImageSpace { occlusion: Iterations::Count(occlusion), ..filters })?,
+                &plain,
+            );
         }
         // One neighbor that is nearer by d̃ occludes a pixel.
         let hidden = |x: u32, y: u32| x > 0 && depth(x - 1, y) <= depth(x, y) - f64::from(distance);
@@ -148,12 +175,12 @@ fn tiny(stage: &mut CaseRenderer) -> CaseResult {
     let filters = ImageSpace { min_layer_distance: Some(1e-30), ..PLAIN };
     let sheet = surface(size, mixed, |_, _| Some(4.0));
     let plain = image(stage, &sheet, size, filters)?;
-    let left = image(stage, &sheet, size, ImageSpace { occlusion: 3, ..filters })?;
+    let left = image(stage, &sheet, size, ImageSpace { occlusion: Iterations::Count(3), ..filters })?;
     // One pixel a unit in the last place behind the others, which are all red.
     let behind = f64::from(4f32.next_up());
     let dots = surface(size, red, |x, y| Some(if (x, y) == (7, 5) { behind } else { 4.0 }));
     let dots: Vec<Dot> = dots.iter().map(|dot| if dot.position.z == -4.0 { *dot } else { blue(dot) }).collect();
-    let replaced = image(stage, &dots, size, ImageSpace { occlusion: 1, ..filters })?;
+    let replaced = image(stage, &dots, size, ImageSpace { occlusion: Iterations::Count(1), ..filters })?;
     let wrong = replaced.rgba.iter().filter(|rgba| **rgba != [1.0, 0.0, 0.0, 1.0]).count();
     let error = bytes_apart(&plain, &left) + wrong as f64;
     // Not behind 4 - 1e-30, which is 4: the whole sheet counts as lying behind it.
@@ -171,7 +198,8 @@ fn huge(stage: &mut CaseRenderer) -> CaseResult {
     let filters = ImageSpace { min_layer_distance: Some(3e38), ..PLAIN };
     let dots = surface(size, mixed, |x, y| (x != 3 || y > 4).then_some(if x == 7 { 9e6 } else { 1.0 }));
     let plain = image(stage, &dots, size, filters)?;
-    let filtered = image(stage, &dots, size, ImageSpace { occlusion: 3, antialias: true, ..filters })?;
+    let filtered =
+        image(stage, &dots, size, ImageSpace { occlusion: Iterations::Count(3), antialias: true, ..filters })?;
     // With an infinity for background every pixel beside it is an edge, and its share of 4 d̃ = ∞ is NaN.
     let naive = bytes_between(&naive::Filtered::new(&plain).antialiased(3e38, 0.25).rgba, &plain.rgba);
     Ok(Finding::new(bytes_apart(&plain, &filtered), 0.0, naive))
@@ -270,6 +298,23 @@ fn three_planes(stage: &mut CaseRenderer) -> CaseResult {
     let bound = 4.0 * 3.0 * HALF_ULP;
     // In the order of arrival.
     Ok(Finding::apart(&found, &over(&shuffled), &wanted, bound))
+}
+
+fn alone(stage: &mut CaseRenderer) -> CaseResult {
+    let dots = [dot(5.0, Vec3::X, 0.5), dot(6.0, Vec3::Y, 1.0), dot(9.0, Vec3::new(0.0, 0.25, 1.0), 0.25)];
+    let (mut error, mut naive) = (0f64, f64::INFINITY);
+    for (only, dot) in (1..).zip(&dots) {
+        let method = Method::PeelLayers(PeelLayers { filters: PLAIN, layers: 4, only: Some(only) });
+        let found = stage.render(&cloud(&dots), &Frame::new(pixels([1, 1]), [1, 1], method))?.image;
+        // Powers of two, so that products are exact.
+        let wanted = composed(&[*dot]);
+        error = error.max(apart(&found.rgba[0], &wanted)).max(apart(&found.depth, &[-dot.position.z]));
+        if only > 1 {
+            // What all layers up to this one leave of it.
+            naive = naive.min(apart(&peel(&dots, 0.25, 0.0, only).0, &wanted));
+        }
+    }
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn ends(stage: &mut CaseRenderer) -> CaseResult {

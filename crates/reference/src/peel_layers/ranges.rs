@@ -20,7 +20,7 @@ fn layers(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) 
     };
     let mut from = vec![Range::only(f64::NEG_INFINITY); view.pixels()];
     let mut layers = Vec::new();
-    while layers.len() < settings.layers as usize {
+    while layers.len() < settings.peeled() as usize {
         let found = nearest_ranges(view, points, filters.cull, &from, color);
         if found.depth.iter().all(|depth| depth.low.is_infinite()) {
             break;
@@ -40,17 +40,18 @@ fn layers(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) 
 /// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) -> PictureRange {
     let layers = layers(view, points, colors, settings);
+    let layers = super::shown(&layers, settings);
     let pixels = view.pixels();
     let mut picture = PictureRange { width: view.size[0], ..PictureRange::default() };
     for pixel in 0..pixels {
         let (mut rgba, mut transmittance) = (NOTHING, Range::only(1.0));
-        for layer in &layers {
+        for layer in layers {
             let front = layer.rgba[pixel];
             rgba = std::array::from_fn(|c| rgba[c] + transmittance.times(front[c]));
             transmittance = transmittance.times(front[3].complement());
         }
         let counts = layers.iter().map(|layer| count_of(layer.depth[pixel]));
-        picture.push(rgba, depth_of(&layers, pixel), counts.fold(Range::only(0.0), Range::add));
+        picture.push(rgba, depth_of(layers, pixel), counts.fold(Range::only(0.0), Range::add));
     }
     picture
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use pellucid_reference::image_space::{Layer, layer_distance, render};
-use pellucid_scene::ImageSpace;
+use pellucid_scene::{ImageSpace, Iterations};
 
 /// Far behind all digits.
 const FAR: f64 = 100.0;
@@ -239,7 +239,13 @@ fn points(at: &[(f64, f64, f64)], normals: Option<Vec<Vec3>>) -> Points {
 }
 
 fn plain() -> ImageSpace {
-    ImageSpace { fill: 0, occlusion: 0, smooth: 0, antialias: false, ..ImageSpace::default() }
+    ImageSpace {
+        fill: Iterations::Count(0),
+        occlusion: Iterations::Count(0),
+        smooth: 0,
+        antialias: false,
+        ..ImageSpace::default()
+    }
 }
 
 #[test]
@@ -287,11 +293,55 @@ fn filters_run_in_their_order_and_as_often_as_asked() {
         [4 * 9 + 3, 4 * 9 + 5, 4 * 9 + 4].map(|pixel| picture.rgba[pixel][0])
     };
     assert_eq!(shown(filters), [0.0, 9.0, 5.0]);
-    assert_eq!(shown(ImageSpace { fill: 1, ..filters }), [5.0, 9.0, 5.0]);
-    assert_eq!(shown(ImageSpace { occlusion: 1, ..filters }), [0.0, 5.0, 5.0]);
-    assert_eq!(shown(ImageSpace { fill: 1, occlusion: 1, smooth: 2, ..filters }), [5.0, 5.0, 5.0]);
+    assert_eq!(shown(ImageSpace { fill: Iterations::Count(1), ..filters }), [5.0, 9.0, 5.0]);
+    assert_eq!(shown(ImageSpace { occlusion: Iterations::Count(1), ..filters }), [0.0, 5.0, 5.0]);
+    assert_eq!(
+        shown(ImageSpace { fill: Iterations::Count(1), occlusion: Iterations::Count(1), smooth: 2, ..filters }),
+        [5.0, 5.0, 5.0]
+    );
     // Smoothed with the deeper one still there, once and twice.
-    let once = shown(ImageSpace { fill: 1, smooth: 1, ..filters })[1];
+    let once = shown(ImageSpace { fill: Iterations::Count(1), smooth: 1, ..filters })[1];
     assert_close(once, (16.0 * 9.0 + 12.0 * 5.0) / 28.0, ROUNDING);
-    assert!(shown(ImageSpace { fill: 1, smooth: 2, ..filters })[1] < once);
+    assert!(shown(ImageSpace { fill: Iterations::Count(1), smooth: 2, ..filters })[1] < once);
+}
+
+/// A full layer of this side at depth 5, in which `is_hole` shows something else.
+fn sheet(side: u32, is_hole: impl Fn(u32, u32) -> bool, in_hole: f64) -> Layer {
+    let places = (0..side * side).map(|pixel| is_hole(pixel % side, pixel / side));
+    let depth: Vec<f64> = places.map(|hole| if hole { in_hole } else { 5.0 }).collect();
+    let color = |z: &f64| if z.is_finite() { [*z, 0.0, 0.0, 1.0] } else { [0.0; 4] };
+    Layer { size: [side; 2], rgba: depth.iter().map(color).collect(), depth }
+}
+
+#[test]
+fn holes_close_until_nothing_changes_any_more() {
+    let square = |from: u32, side: u32| move |x: u32, y: u32| [x, y].iter().all(|c| (from..from + side).contains(c));
+    // A square hole of 7 pixels takes 8 iterations, of background and of what lies behind.
+    for in_hole in [f64::INFINITY, 9.0] {
+        let layer = sheet(15, square(4, 7), in_hole);
+        let filtered = |iterations| {
+            let filters = match in_hole {
+                9.0 => ImageSpace { occlusion: iterations, ..plain() },
+                _ => ImageSpace { fill: iterations, ..plain() },
+            };
+            layer.clone().filtered(&filters, 1.0, 200.0)
+        };
+        assert!(filtered(Iterations::Auto).depth.iter().all(|z| *z == 5.0), "{in_hole}");
+        assert!(filtered(Iterations::Count(7)) != filtered(Iterations::Auto), "{in_hole}");
+        assert!(filtered(Iterations::Count(8)) == filtered(Iterations::Auto), "{in_hole}");
+    }
+    // What never closes stays: background beside a straight border.
+    let half = sheet(15, |x, _| x > 7, f64::INFINITY);
+    assert!(half.clone().filtered(&ImageSpace { fill: Iterations::Auto, ..plain() }, 1.0, 200.0) == half);
+}
+
+#[test]
+fn iterations_end_after_64() {
+    // One of 50 pixels takes 72.
+    let layer = sheet(58, |x, y| [x, y].iter().all(|c| (4..54).contains(c)), f64::INFINITY);
+    let filtered = |fill| layer.clone().filtered(&ImageSpace { fill, ..plain() }, 1.0, 200.0);
+    assert!(filtered(Iterations::Auto) == filtered(Iterations::Count(64)));
+    assert!(filtered(Iterations::Auto) != filtered(Iterations::Count(65)));
+    assert!(filtered(Iterations::Count(72)).depth.iter().all(|z| *z == 5.0));
+    assert!(filtered(Iterations::Count(71)).depth.iter().any(|z| z.is_infinite()));
 }

@@ -90,3 +90,44 @@ fn fragments_move_by_the_drawn_radius() {
     // A radius of 0 is its own rim.
     near(alone(Shape::Disc, ScreenSplats { size: 0.0, ..plain }, Relief::Sphere)[middle], 5.0);
 }
+
+#[test]
+fn a_radius_in_pixels_is_the_same_at_every_depth_and_for_every_radius() {
+    let radius = |pixels| ScreenSplats { pixel_radius: Some(pixels), ..ScreenSplats::default() };
+    let covered = |camera: &Camera, z: f64, shape, settings: ScreenSplats, own: f32| {
+        let points = Points {
+            positions: vec![-z * DVec3::Z],
+            colors: vec![Vec3::ONE],
+            opacities: vec![1.0],
+            radii: vec![own],
+            ..Points::default()
+        };
+        let view = View::new(camera, SIZE);
+        opaque::render(view, &points, &[DVec3::ONE], shape, &settings, Relief::Flat).counts.iter().sum::<u32>()
+    };
+    for camera in [orthographic(), perspective()] {
+        for z in [1.0, 5.0, 90.0] {
+            for own in [0.0, 2.0, f32::MAX] {
+                // Of a disc of 2 pixels around a pixel's center the rim counts: 13 pixels; of a square 25.
+                for (shape, pixels, wanted) in
+                    [(Shape::Disc, 2.0, 13), (Shape::Square, 2.0, 25), (Shape::Disc, 1.0, 5), (Shape::Disc, 0.0, 1)]
+                {
+                    assert_eq!(covered(&camera, z, shape, radius(pixels), own), wanted, "{shape:?} {pixels} {z} {own}");
+                }
+                // The size doesn't count, the clamp does.
+                let sized = ScreenSplats { size: 3.0, ..radius(2.0) };
+                assert_eq!(covered(&camera, z, Shape::Disc, sized, own), 13);
+                let clamped = ScreenSplats { max_pixel_radius: 1.0, ..radius(2.0) };
+                assert_eq!(covered(&camera, z, Shape::Square, clamped, own), 9);
+            }
+        }
+    }
+}
+
+#[test]
+fn fragments_move_by_a_radius_in_pixels_too() {
+    // A pixel is a unit.
+    let settings = ScreenSplats { pixel_radius: Some(3.0), ..ScreenSplats::default() };
+    let z = render_moved(&[-5.0 * DVec3::Z], Shape::Disc, settings, Relief::Cone).depth;
+    assert!((z[4 * 9 + 4] - 2.0).abs() < 1e-12 && (z[4 * 9 + 5] - 3.0).abs() < 1e-12, "{z:?}");
+}

@@ -2,11 +2,11 @@
 
 use super::*;
 use pellucid_reference::peel_layers::{layers, render};
-use pellucid_scene::{ImageSpace, PeelLayers};
+use pellucid_scene::{ImageSpace, Iterations, PeelLayers};
 
 const NO_FILTER: ImageSpace = ImageSpace {
-    fill: 0,
-    occlusion: 0,
+    fill: Iterations::Count(0),
+    occlusion: Iterations::Count(0),
     smooth: 0,
     antialias: false,
     antialias_threshold: 0.25,
@@ -40,7 +40,7 @@ fn planes_are_blended_by_their_opacities() {
     let scene = [plane(4.0, 1.0, two), plane(3.0, 0.5, one), plane(7.0, 0.25, three)].concat();
     let (points, colors) = points(&scene);
     for layers in 1..=5u32 {
-        let settings = PeelLayers { filters: NO_FILTER, layers };
+        let settings = PeelLayers { filters: NO_FILTER, layers, ..PeelLayers::default() };
         let picture = render(View::new(&orthographic(), SIZE), &points, &colors, &settings);
         let shown = layers.min(3) as usize;
         // 0.5·0.5, then half of 0.25·1, then 3/8 of 0.75·0.25.
@@ -59,11 +59,20 @@ fn points_of_one_surface_are_one_layer() {
     // Four points on one pixel: 3.0 and 3.49 are one layer, 3.5 starts the next, 3.9 belongs to it.
     let at = |z| (0, 0, z, 1.0, 0.5);
     let (points, colors) = points(&[at(3.0), at(3.49), at(3.5), at(3.9)]);
-    let found =
-        layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 9 });
+    let found = layers(
+        View::new(&orthographic(), SIZE),
+        &points,
+        &colors,
+        &PeelLayers { filters: NO_FILTER, layers: 9, ..PeelLayers::default() },
+    );
     assert_eq!(found.iter().map(|layer| layer.depth[MIDDLE]).collect::<Vec<_>>(), [3.0, 3.5]);
     let narrow = ImageSpace { min_layer_distance: Some(0.375), ..NO_FILTER };
-    let found = layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: narrow, layers: 9 });
+    let found = layers(
+        View::new(&orthographic(), SIZE),
+        &points,
+        &colors,
+        &PeelLayers { filters: narrow, layers: 9, ..PeelLayers::default() },
+    );
     assert_eq!(found.iter().map(|layer| layer.depth[MIDDLE]).collect::<Vec<_>>(), [3.0, 3.49, 3.9]);
 }
 
@@ -74,17 +83,28 @@ fn points_behind_a_filled_hole_are_not_lost() {
     let scene = [front, plane(6.0, 0.0, 0.5)].concat();
     let (points, colors) = points(&scene);
     let depths = |filters| {
-        let found = layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters, layers: 9 });
+        let found = layers(
+            View::new(&orthographic(), SIZE),
+            &points,
+            &colors,
+            &PeelLayers { filters, layers: 9, ..PeelLayers::default() },
+        );
         found.iter().map(|layer| layer.depth[MIDDLE]).collect::<Vec<_>>()
     };
     assert_eq!(depths(NO_FILTER), [6.0, f64::INFINITY]);
-    assert_eq!(depths(ImageSpace { occlusion: 1, ..NO_FILTER }), [3.0, 6.0]);
+    assert_eq!(depths(ImageSpace { occlusion: Iterations::Count(1), ..NO_FILTER }), [3.0, 6.0]);
     // The same with background in the hole of a layer that is alone.
     let alone: Vec<_> = plane(3.0, 1.0, 0.5).into_iter().filter(|p| (p.0, p.1) != (0, 0)).collect();
     let (points, colors) = self::points(&[alone, vec![(0, 0, 6.0, 0.25, 1.0)]].concat());
     let picture = |fill, occlusion| {
-        let filters = ImageSpace { fill, occlusion, ..NO_FILTER };
-        render(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters, layers: 9 })
+        let filters =
+            ImageSpace { fill: Iterations::Count(fill), occlusion: Iterations::Count(occlusion), ..NO_FILTER };
+        render(
+            View::new(&orthographic(), SIZE),
+            &points,
+            &colors,
+            &PeelLayers { filters, layers: 9, ..PeelLayers::default() },
+        )
     };
     assert_eq!(picture(0, 0).rgba[MIDDLE], [0.25, 0.25, 0.25, 1.0]);
     // The filled pixel has its neighbor's alpha.
@@ -95,7 +115,7 @@ fn points_behind_a_filled_hole_are_not_lost() {
 #[test]
 fn layers_end_where_there_is_background() {
     let (points, colors) = points(&[plane(3.0, 1.0, 0.5), vec![(2, 0, 5.0, 0.0, 0.5), (2, 0, 8.0, 0.0, 0.5)]].concat());
-    let settings = PeelLayers { filters: NO_FILTER, layers: 9 };
+    let settings = PeelLayers { filters: NO_FILTER, layers: 9, ..PeelLayers::default() };
     assert_eq!(layers(View::new(&orthographic(), SIZE), &points, &colors, &settings).len(), 3);
     let picture = render(View::new(&orthographic(), SIZE), &points, &colors, &settings);
     assert_eq!([picture.counts[MIDDLE], picture.counts[MIDDLE + 2], picture.counts.iter().sum()], [1, 3, 83]);
@@ -106,10 +126,19 @@ fn layers_end_where_there_is_background() {
 #[test]
 fn a_layer_that_cannot_be_seen_gives_no_depth() {
     let (points, colors) = points(&[plane(3.0, 1.0, 0.0), plane(5.0, 1.0, 0.5)].concat());
-    let picture =
-        render(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 4 });
+    let picture = render(
+        View::new(&orthographic(), SIZE),
+        &points,
+        &colors,
+        &PeelLayers { filters: NO_FILTER, layers: 4, ..PeelLayers::default() },
+    );
     assert_eq!((picture.depth[MIDDLE], picture.counts[MIDDLE], picture.rgba[MIDDLE][3]), (5.0, 2, 0.5));
-    let one = render(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters: NO_FILTER, layers: 1 });
+    let one = render(
+        View::new(&orthographic(), SIZE),
+        &points,
+        &colors,
+        &PeelLayers { filters: NO_FILTER, layers: 1, ..PeelLayers::default() },
+    );
     assert_eq!((one.depth[MIDDLE], one.counts[MIDDLE], one.rgba[MIDDLE]), (f64::INFINITY, 1, [0.0; 4]));
 }
 
@@ -120,7 +149,12 @@ fn each_layer_is_softened_by_itself() {
     let bar = (-4..=4).map(|y| (0, y, 3.0, 1.0, 1.0)).collect();
     let (points, colors) = points(&[bar, plane(6.0, 0.0, 1.0)].concat());
     let filters = ImageSpace { antialias: true, ..NO_FILTER };
-    let found = layers(View::new(&orthographic(), SIZE), &points, &colors, &PeelLayers { filters, layers: 4 });
+    let found = layers(
+        View::new(&orthographic(), SIZE),
+        &points,
+        &colors,
+        &PeelLayers { filters, layers: 4, ..PeelLayers::default() },
+    );
     // All pixels have points in the first layer; the plane is the second one under the bar alone.
     assert_eq!(found.len(), 2);
     assert_eq!(found[0].rgba[MIDDLE + 1], [0.125, 0.125, 0.125, 1.0]);
@@ -128,4 +162,26 @@ fn each_layer_is_softened_by_itself() {
     // The second layer is a line of black: half of it is left, beside it an eighth.
     assert_eq!(found[1].rgba[MIDDLE], [0.0, 0.0, 0.0, 0.75]);
     assert_eq!(found[1].rgba[MIDDLE + 1], [0.0, 0.0, 0.0, 0.125]);
+}
+
+#[test]
+fn a_layer_shown_alone_has_its_own_color_alpha_and_depth() {
+    let (points, colors) =
+        points(&[plane(3.0, 0.5, 0.5), plane(4.0, 1.0, 0.25), vec![(1, 0, 7.0, 0.25, 0.75)]].concat());
+    let alone = |only| {
+        let settings = PeelLayers { filters: NO_FILTER, only: Some(only), ..PeelLayers::default() };
+        render(View::new(&orthographic(), SIZE), &points, &colors, &settings)
+    };
+    for (only, rgba, z) in [(1, [0.25, 0.25, 0.25, 0.5], 3.0), (2, [0.25, 0.25, 0.25, 0.25], 4.0)] {
+        let picture = alone(only);
+        assert!(picture.rgba.iter().all(|found| *found == rgba), "{only}: {:?}", picture.rgba[MIDDLE]);
+        assert!(picture.depth.iter().all(|found| *found == z) && picture.counts.iter().all(|count| *count == 1));
+    }
+    // The third is one pixel of background's; there is no fourth.
+    let third = alone(3);
+    assert_eq!(third.rgba[MIDDLE + 1], [0.1875, 0.1875, 0.1875, 0.75]);
+    assert_eq!((third.depth[MIDDLE + 1], third.counts.iter().sum::<u32>()), (7.0, 1));
+    assert_eq!((third.depth[MIDDLE], third.rgba[MIDDLE]), (f64::INFINITY, [0.0; 4]));
+    let fourth = alone(4);
+    assert!(fourth.counts.iter().all(|count| *count == 0) && fourth.rgba.iter().all(|rgba| *rgba == [0.0; 4]));
 }

@@ -9,7 +9,7 @@ use pellucid_reference::shadows::{Frames, frames, share_ranges, shares};
 use pellucid_reference::spbr::Rule;
 use pellucid_reference::{image_space, peel_layers, spbr, splats};
 use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
-use pellucid_scene::{BlendedSplats, ImageSpace, PeelLayers};
+use pellucid_scene::{BlendedSplats, ImageSpace, Iterations, PeelLayers};
 use pellucid_testing_host::{P, soup};
 
 /// Points in the order given.
@@ -37,8 +37,8 @@ const MIDDLE: usize = 40;
 
 /// Nothing but the nearest points, with layers half a unit apart.
 const BARE: ImageSpace = ImageSpace {
-    fill: 0,
-    occlusion: 0,
+    fill: Iterations::Count(0),
+    occlusion: Iterations::Count(0),
     smooth: 0,
     antialias: false,
     antialias_threshold: 0.25,
@@ -79,7 +79,7 @@ fn of_two_points_the_nearer_one_is_seen_unless_roundings_make_them_equal() {
 fn a_layer_ends_at_a_distance_that_roundings_decide() {
     let of = |apart: f64| {
         let two = points(&[point(0.1, 0.1, 5.0, Vec3::X), point(-0.1, -0.1, 5.5 + apart, Vec3::Y)]);
-        let settings = PeelLayers { filters: BARE, layers: 2 };
+        let settings = PeelLayers { filters: BARE, layers: 2, ..PeelLayers::default() };
         let ranges = peel_layers::ranges(View::new(&orthographic(), SIZE), &two, &colors(&two), &settings);
         (ranges.counts[MIDDLE], ranges.rgba[MIDDLE][1])
     };
@@ -147,11 +147,16 @@ fn ranges_contain_the_exact_values_and_most_are_closed() {
     )
     .unwrap();
     let (size, colors) = ([48, 40], colors(&all));
-    let filters =
-        ImageSpace { fill: 2, occlusion: 2, smooth: 2, min_layer_distance: Some(0.1), ..ImageSpace::default() };
+    let filters = ImageSpace {
+        fill: Iterations::Count(2),
+        occlusion: Iterations::Count(2),
+        smooth: 2,
+        min_layer_distance: Some(0.1),
+        ..ImageSpace::default()
+    };
     let exact = image_space::render(View::new(&camera, size), &all, &colors, &filters);
     assert_eq!(assert_within(&exact, &image_space::ranges(View::new(&camera, size), &all, &colors, &filters)), 0);
-    let layers = PeelLayers { filters, layers: 5 };
+    let layers = PeelLayers { filters, layers: 5, ..PeelLayers::default() };
     let exact = peel_layers::render(View::new(&camera, size), &all, &colors, &layers);
     assert_eq!(assert_within(&exact, &peel_layers::ranges(View::new(&camera, size), &all, &colors, &layers)), 0);
     for shape in [Shape::Disc, Shape::Square, Shape::Oriented] {

@@ -1,7 +1,7 @@
 //! Properties of methods that follow from their families and settings.
 
 use super::{Family, Method};
-use crate::settings::{Discs, ImageSpace, Kernel, OneLayer, Order, Soft, Spbr, SpbrSimplified};
+use crate::settings::{Discs, ImageSpace, Kernel, OneLayer, Order, ScreenSplats, Soft, Spbr, SpbrSimplified};
 
 /// The displacement of an opaque splat's fragments toward the viewer, in drawn radii, at the distance ρ from its
 /// center, in radii (Schütz and Wimmer 2015).
@@ -123,10 +123,15 @@ impl Method {
     /// Returns `true` if the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
         match self.family() {
-            Family::Opaque => !matches!(self, Self::Points),
+            Family::Opaque => !matches!(self, Self::Points) && self.pixel_radius().is_none(),
             Family::Discs | Family::Soft | Family::OneLayer => true,
             Family::Surfaces | Family::Ensembles => false,
         }
+    }
+
+    /// Returns the radius in pixels that all splats have, if they have one.
+    pub fn pixel_radius(&self) -> Option<f32> {
+        self.part().and_then(|splats: &ScreenSplats| splats.pixel_radius)
     }
 
     /// Returns the filters of the image, of methods that have some.

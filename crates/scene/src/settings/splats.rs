@@ -11,6 +11,9 @@ settings! {
         size: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
         /// Largest radius of a splat.
         max_pixel_radius: f32 = 25.0, in Range::NOT_NEGATIVE, unit "pixels", slider Slider::Linear(0.0, 100.0);
+        /// Radius of every splat on the screen, in place of radii in the world; `size` does not multiply it.
+        pixel_radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "pixels", without "radii in the world",
+            start 2.0, slider Slider::Linear(0.0, 16.0), only &["squares", "circles", "paraboloid", "cone", "sphere"];
         /// Rasterization by compute shaders or by the hardware rasterizer; the picture is the same.
         raster: Raster = Raster::Auto, only &["squares", "circles", "paraboloid", "cone", "sphere"];
     }

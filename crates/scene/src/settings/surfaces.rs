@@ -1,18 +1,55 @@
 //! Surfaces of points that are closed in the image.
 
-use crate::schema::{Range, Slider, settings};
+use crate::error::Error;
+use crate::schema::{Range, Slider, ValueKind, settings, value};
+use crate::setting::Setting;
+use crate::table::Table;
+use crate::tree;
 
 /// Iterations of an image filter at most.
 pub const MAX_ITERATIONS: u32 = 256;
+/// Iterations of [`Iterations::Auto`] at most.
+pub const MAX_AUTO_ITERATIONS: u32 = 64;
+
+/// Iterations of a filter that closes holes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Iterations {
+    /// Until an iteration changes no pixel (Dobrev et al. 2010, Section 3.2), at most [`MAX_AUTO_ITERATIONS`].
+    Auto,
+    /// Fixed number, up to [`MAX_ITERATIONS`].
+    Count(u32),
+}
+
+impl Iterations {
+    /// Returns the largest number of iterations that may change something.
+    pub fn most(self) -> u32 {
+        match self {
+            Self::Auto => MAX_AUTO_ITERATIONS,
+            Self::Count(count) => count,
+        }
+    }
+}
+
+value! {
+    Iterations => ValueKind::WordOr("auto", &ValueKind::Integer(0, MAX_ITERATIONS));
+    |table, key| match table.get(key).map(|node| &node.value) {
+        Some(tree::Value::String(_)) => table.choice(key, &[("auto", Iterations::Auto)]),
+        _ => Ok(table.integer(key, 0, MAX_ITERATIONS)?.map(Iterations::Count)),
+    };
+    |iterations| Some(match *iterations {
+        Iterations::Auto => Setting::from("auto"),
+        Iterations::Count(count) => Setting::Integer(count),
+    });
+}
 
 settings! {
     /// Settings of `image-space` (Dobrev et al. 2010, Section 3).
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct ImageSpace {
-        /// Iterations that fill background pixels between points.
-        fill: u32 = 1, in 0..=MAX_ITERATIONS, unit "iterations", slider Slider::Count(0, 16);
-        /// Iterations that replace points seen through holes.
-        occlusion: u32 = 1, in 0..=MAX_ITERATIONS, unit "iterations", slider Slider::Count(0, 16);
+        /// Iterations that fill background pixels between points; auto: until nothing changes, at most 64.
+        fill: Iterations = Iterations::Count(1), unit "iterations", start 4.0, slider Slider::Count(0, 16);
+        /// Iterations that replace points seen through holes; auto: until nothing changes, at most 64.
+        occlusion: Iterations = Iterations::Count(1), unit "iterations", start 4.0, slider Slider::Count(0, 16);
         /// Iterations that smooth the picture.
         smooth: u32 = 1, in 0..=MAX_ITERATIONS, unit "iterations", slider Slider::Count(0, 16);
         /// Blend the edges of surfaces with their neighbors.
@@ -38,5 +75,29 @@ settings! {
         filters: ImageSpace = ImageSpace { cull: false, ..ImageSpace::default() };
         /// Largest number of nearest layers that are peeled and blended.
         layers: u32 = 4, in 1..=MAX_POINT_LAYERS, slider Slider::Count(1, 32), refines true;
+        /// Number of the one layer that is shown, counted from the nearest; at most `layers`.
+        only: Option<u32> = None, in 1..=MAX_POINT_LAYERS, without "all layers", start 1.0, slider Slider::Count(1, 32);
+    }
+    check agree;
+}
+
+impl PeelLayers {
+    /// Returns the number of layers that have to be peeled: those behind the one that is shown are not needed.
+    pub fn peeled(&self) -> u32 {
+        self.only.unwrap_or(self.layers)
+    }
+}
+
+fn agree(settings: &PeelLayers, table: &Table<'_>) -> Result<(), Error> {
+    let PeelLayers { layers, only, .. } = *settings;
+    match only.filter(|only| *only > layers) {
+        None => Ok(()),
+        Some(only) => {
+            let problem = format!(
+                "`method.only` names layer {only}, but `method.layers` peels {layers}: name one of these, or raise \
+                 `layers`"
+            );
+            Err(table.conflict("only", problem))
+        }
     }
 }

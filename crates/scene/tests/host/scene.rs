@@ -213,8 +213,8 @@ fn filters_have_their_defaults_and_limits() {
     assert_eq!(of("name = \"image-space\""), Method::ImageSpace(ImageSpace::default()).into());
     assert_eq!(of("name = \"peel-layers\""), Method::PeelLayers(PeelLayers::default()).into());
     let filters = ImageSpace {
-        fill: 0,
-        occlusion: 256,
+        fill: Iterations::Count(0),
+        occlusion: Iterations::Count(256),
         smooth: 2,
         antialias: false,
         antialias_threshold: 0.5,
@@ -225,7 +225,7 @@ fn filters_have_their_defaults_and_limits() {
                 min_layer_distance = 0.25\ncull = true";
     assert_eq!(of(&format!("name = \"image-space\"\n{keys}")), Method::ImageSpace(filters).into());
     let layers = format!("name = \"peel-layers\"\nlayers = 1024\n{keys}");
-    assert_eq!(of(&layers), Method::PeelLayers(PeelLayers { filters, layers: 1024 }).into());
+    assert_eq!(of(&layers), Method::PeelLayers(PeelLayers { filters, layers: 1024, ..PeelLayers::default() }).into());
     for wrong in ["fill = 257", "smooth = -1", "antialias_threshold = 1.5", "min_layer_distance = 0", "layers = 0"] {
         let message = refused(&format!("[method]\nname = \"peel-layers\"\n{wrong}\n{CLOUD}"));
         assert!(message.starts_with("dir/s.toml:3:"), "{wrong}: {message}");
@@ -242,6 +242,66 @@ fn layers_to_peel_are_a_whole_number_within_the_limit() {
         let message = refused(&format!("[method]\nname = \"peel\"\nlayers = {wrong}\n{CLOUD}"));
         assert!(message.contains("`method.layers` must be an integer from 0 to 65536"), "{message}");
     }
+}
+
+#[test]
+fn iterations_are_a_number_or_auto() {
+    for name in ["image-space", "peel-layers"] {
+        let scene = with_cloud(&format!("[method]\nname = {name:?}\nfill = \"auto\"\nocclusion = \"auto\""));
+        let method = scene.method.representative();
+        let filters = method.filters().expect("it has filters");
+        assert_eq!([filters.fill, filters.occlusion], [Iterations::Auto; 2]);
+        assert_eq!(method.key("fill").and_then(|key| key.value), Some(Setting::from("auto")));
+        for wrong in ["\"all\"", "-1", "1.5", "257"] {
+            let message = refused(&format!("[method]\nname = {name:?}\nfill = {wrong}\n{CLOUD}"));
+            assert!(message.starts_with("dir/s.toml:3:8: `method.fill`"), "{wrong}: {message}");
+        }
+    }
+}
+
+#[test]
+fn a_layer_shown_alone_is_one_of_those_that_are_peeled() {
+    let peeled = |keys: &str| with_cloud(&format!("[method]\nname = \"peel-layers\"\n{keys}")).method.representative();
+    let of = |only, layers| Method::PeelLayers(PeelLayers { only, layers, ..PeelLayers::default() });
+    assert_eq!(peeled(""), of(None, 4));
+    assert_eq!(peeled("only = 1"), of(Some(1), 4));
+    assert_eq!(peeled("only = 4"), of(Some(4), 4));
+    assert_eq!(peeled("layers = 9\nonly = 9"), of(Some(9), 9));
+    for (keys, wanted) in [
+        ("only = 5", ":3:8: `method.only` names layer 5, but `method.layers` peels 4"),
+        ("only = 2\nlayers = 1", ":3:8: `method.only` names layer 2, but `method.layers` peels 1"),
+        ("only = 0", ":3:8: `method.only` must be an integer from 1 to 1024"),
+    ] {
+        let message = refused(&format!("[method]\nname = \"peel-layers\"\n{keys}\n{CLOUD}"));
+        assert!(message.contains(wanted), "{keys}: {message}");
+    }
+}
+
+#[test]
+fn a_radius_in_pixels_excludes_one_in_the_world() {
+    for name in ["squares", "circles", "paraboloid", "cone", "sphere"] {
+        let scene = with_cloud(&format!("[method]\nname = {name:?}\npixel_radius = 2.5"));
+        assert_eq!((scene.method.representative().pixel_radius(), scene.warnings.len()), (Some(2.5), 0), "{name}");
+        // So none has to be estimated.
+        assert!(!scene.method.needs_radii());
+        let refused = refused(&format!("[method]\nname = {name:?}\npixel_radius = 2\n{CLOUD}\nradius = 0.5"));
+        assert!(refused.contains(":7:10: `method.pixel_radius`") && refused.contains("`radius`"), "{refused}");
+    }
+    // Splats that are blended have none.
+    for name in ["hqs", "splats", "points", "abuffer"] {
+        let scene = with_cloud(&format!("radius = 1.0\n[method]\nname = {name:?}\npixel_radius = 2.5"));
+        assert_eq!(scene.method.representative().pixel_radius(), None);
+        assert!(scene.warnings[0].contains("does not use `pixel_radius`"), "{:?}", scene.warnings);
+    }
+    let circles = "[method]\nname = \"circles\"\npixel_radius = 2";
+    // The radius of a class is one in the world too.
+    let of_class = refused(&format!("{circles}\n{CLOUD}\n[[cloud.class]]\nid = 2\nradius = 0.5"));
+    assert!(of_class.contains("exclude each other"), "{of_class}");
+    let factors = with_cloud(&format!("radius_factor = 2\n{circles}\nsize = 3"));
+    let [size, factor] = factors.warnings.as_slice() else { panic!("{:?}", factors.warnings) };
+    assert!(size.contains("`size` has no effect with method.pixel_radius"), "{size}");
+    assert!(factor.contains("`radius_factor` has no effect with method.pixel_radius"), "{factor}");
+    assert!(refused(&format!("[method]\nname = \"circles\"\npixel_radius = -1\n{CLOUD}")).contains("pixel_radius"));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The settings of opaque points.
 
 use super::{Ladders, Setting, Skipped, Surfaces};
-use pellucid_scene::{ImageSpace, Method, Relief, SplatShape};
+use pellucid_scene::{ImageSpace, Iterations, Method, Relief, SplatShape};
 
 /// All of them, cloud after cloud; and the methods of opaque points that are left out.
 pub(super) fn settings(surfaces: &Surfaces, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
@@ -20,7 +20,8 @@ fn of_cloud(surfaces: &Surfaces, ladders: &Ladders, thinning: u32) -> Vec<Settin
         }));
     }
     let filtered = |count: &u32| {
-        let filters = ImageSpace { fill: *count, occlusion: *count, ..surfaces.filters };
+        let filters =
+            ImageSpace { fill: Iterations::Count(*count), occlusion: Iterations::Count(*count), ..surfaces.filters };
         let step = Setting::step(Method::ImageSpace(filters), ("fill+occlusion", *count), &rest);
         Setting { effort: Some(1.0 + f64::from(*count)), ..step }
     };
@@ -82,7 +83,15 @@ mod tests {
         let same = keys.iter().map(|key| format!("{key} thinning=16"));
         assert_eq!(thin, same.collect::<Vec<_>>());
         assert!(all[..19].iter().all(|s| s.thinning == 1) && all[19..].iter().all(|s| s.thinning == 16));
-        assert!(matches!(all[18].method, Method::ImageSpace(ImageSpace { fill: 4, occlusion: 4, smooth: 1, .. })));
+        assert!(matches!(
+            all[18].method,
+            Method::ImageSpace(ImageSpace {
+                fill: Iterations::Count(4),
+                occlusion: Iterations::Count(4),
+                smooth: 1,
+                ..
+            })
+        ));
         assert_eq!(all[37].stem(), "image-space-fill-4-occlusion-4-thinning-16");
         let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
         assert_eq!(names, ["cone", "sphere"]);

@@ -8,7 +8,7 @@ use pellucid_scene::{BlendedSplats, ImageSpace, Interpolated, Method, Relief, Sc
 pub struct Surfaces {
     /// True if points have normals.
     pub normals: bool,
-    /// Clamp and rasterizer; of size 1.
+    /// Clamp and rasterizer; of size 1 in the world.
     pub splats: ScreenSplats,
     /// Outline of what has one.
     pub shape: SplatShape,
@@ -32,7 +32,7 @@ impl Surfaces {
             filters: ImageSpace::default(),
             relief: method.relief(),
         };
-        let sized = |splats: &ScreenSplats| ScreenSplats { size: 1.0, ..*splats };
+        let sized = |splats: &ScreenSplats| ScreenSplats { size: 1.0, pixel_radius: None, ..*splats };
         Some(match method {
             Method::Points => plain,
             Method::Squares(splats) | Method::Circles(splats) | Method::Sphere(splats) => {

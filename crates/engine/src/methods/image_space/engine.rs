@@ -3,7 +3,7 @@
 use super::{Filter, FilterJob, Filterer, halo, least_bytes, windows};
 use crate::methods::points;
 use crate::methods::prelude::*;
-use crate::scene::ImageSpace;
+use crate::scene::{ImageSpace, Iterations};
 
 /// A filtered image of points.
 pub(crate) struct ImageSpaceEngine {
@@ -140,25 +140,32 @@ impl Filtering {
         for (filter, listed) in Filter::ALL.into_iter().zip(facts.filtered_tiles) {
             let (name, iterations, what) = asked(filter, &self.filters);
             let reason = match iterations {
-                0 => "the filter is switched off".to_owned(),
-                _ => format!("{iterations} iteration(s) over tiles with {what}: {listed} of {tiles} tiles"),
+                Iterations::Count(0) => "the filter is switched off".to_owned(),
+                Iterations::Count(count) => {
+                    format!("{count} iteration(s) over tiles with {what}: {listed} of {tiles} tiles")
+                }
+                Iterations::Auto => {
+                    let (runs, most) = (facts.closing_runs[filter as usize], iterations.most());
+                    format!("{runs} of at most {most} iterations had tiles with {what}: {listed} of {tiles} tiles")
+                }
             };
             // Its dispatches are recorded, if empty: the host does not know what an image holds.
-            plan.add(name, iterations > 0, reason);
+            plan.add(name, iterations.most() > 0, reason);
         }
         plan.add("image-space/summary", true, "reports how many tiles each filter visited");
     }
 }
 
 /// The pass of a filter, the number of its iterations, and its purpose.
-fn asked(filter: Filter, filters: &ImageSpace) -> (&'static str, u32, &'static str) {
+fn asked(filter: Filter, filters: &ImageSpace) -> (&'static str, Iterations, &'static str) {
+    let antialias = Iterations::Count(filters.antialias.into());
     match filter {
         Filter::Fill => ("image-space/fill", filters.fill, "background next to points"),
         Filter::Occlusion => {
             ("image-space/occlusion", filters.occlusion, "points that lie min_layer_distance or more behind others")
         }
-        Filter::Smooth => ("image-space/smooth", filters.smooth, "points"),
-        Filter::Antialias => ("image-space/antialias", u32::from(filters.antialias), "edges in depth"),
+        Filter::Smooth => ("image-space/smooth", Iterations::Count(filters.smooth), "points"),
+        Filter::Antialias => ("image-space/antialias", antialias, "edges in depth"),
     }
 }
 

@@ -3,7 +3,8 @@
 //!
 //! An image is kept in tiles of 16 × 16 pixels, each of which knows its range of depths and whether it has background.
 //! Before each run of a filter a work list is made of the tiles that it may change, and the filter is dispatched
-//! indirectly over it. A tile has two places: a filter reads one and writes the other, so that nothing is copied, and
+//! indirectly over it. A filter that runs until nothing changes is recorded as often as it may run: after a run that
+//! changed nothing all lists are empty. A tile has two places: a filter reads one and writes the other, so that nothing is copied, and
 //! tiles that are not listed cost nothing.
 
 mod engine;
@@ -37,13 +38,16 @@ const LAYER_BYTES: u64 = 4 + 4;
 const TILE_BYTES: u64 = 16 + 8;
 /// Most tiles of a window, so that one dimension of workgroups holds them on every device.
 const MOST_TILES: u64 = 65_535;
+/// Words of a window's totals: tiles of each filter, and the last run of background fill and of occlusion fill that had
+/// any.
+const TOTALS: u64 = 6;
 /// Names of the filters' fills and copies.
 const CLEAR: &str = "image-space/clear";
 
 /// Returns how far the filters of a frame reach, in pixels: as far as a pixel of the last layer depends on points.
 /// Smoothing and antialiasing change no depth, so that no later layer depends on them.
 pub fn halo(filters: &ImageSpace, layers: u32) -> u32 {
-    let closing = (filters.fill + filters.occlusion).saturating_mul(layers);
+    let closing = (filters.fill.most() + filters.occlusion.most()).saturating_mul(layers);
     closing.saturating_add(filters.smooth + u32::from(filters.antialias))
 }
 
@@ -121,7 +125,7 @@ impl FilterJob<'_> {
     /// The filters in the order of their runs, with the number of their iterations.
     fn runs(&self) -> [(Filter, u32); 4] {
         let ImageSpace { fill, occlusion, smooth, antialias, .. } = self.filters;
-        let iterations = [fill, occlusion, smooth, u32::from(antialias)];
+        let iterations = [fill.most(), occlusion.most(), smooth, u32::from(antialias)];
         std::array::from_fn(|i| (Filter::ALL[i], iterations[i]))
     }
 
@@ -162,8 +166,8 @@ fields! {
         pub(super) colors: Scratch<[f32; 4]> = Scratch::new("tile colors", Memory::Device),
         pub(super) entries: Scratch<[u32; 2]> = Scratch::new("listed tiles", Memory::Device),
         slots: Scratch<u32> = Scratch::new("filter dispatches", Memory::Device),
-        totals: Buffer<u32> = device.buffer("filtered tiles", 4, Memory::Device)?,
-        totals_host: Buffer<u32> = device.buffer("filtered tiles, host", 4, Memory::Readback)?,
+        totals: Buffer<u32> = device.buffer("filtered tiles", TOTALS, Memory::Device)?,
+        totals_host: Buffer<u32> = device.buffer("filtered tiles, host", TOTALS, Memory::Readback)?,
         pub(super) work: Buffer<PeelWork> = device.buffer("layer work", 1, Memory::Device)?,
     }
 }
@@ -251,8 +255,14 @@ impl Filterer {
     /// Adds what the filters of a window had, of whose image there were so many layers.
     pub(super) fn note(&self, job: &FilterJob<'_>, layers: u32, facts: &mut Facts) {
         facts.image_tiles += job.tile_count() * u64::from(layers);
-        for (sum, listed) in facts.filtered_tiles.iter_mut().zip(self.totals_host.mapped_slice()) {
+        let totals = self.totals_host.mapped_slice();
+        for (sum, listed) in facts.filtered_tiles.iter_mut().zip(totals) {
             *sum += u64::from(*listed);
+        }
+        // Runs are numbered from 1, those of the second filter behind all of the first.
+        let before = [0, job.filters.fill.most()];
+        for (most, (last, before)) in facts.closing_runs.iter_mut().zip(totals[4..].iter().zip(before)) {
+            *most = (*most).max(last.saturating_sub(before));
         }
     }
 

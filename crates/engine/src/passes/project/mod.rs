@@ -152,6 +152,8 @@ pub struct Projecting {
     pub radius_factor: f32,
     /// Largest radius in pixels.
     pub max_radius_px: f32,
+    /// Radius in pixels of all splats, in place of their own and its factor; the largest one still holds.
+    pub pixel_radius: Option<f32>,
     /// Factor on the opacity; the product is at most 1.
     pub opacity_factor: f32,
     /// Part of the points.
@@ -178,6 +180,7 @@ impl Projecting {
             footprint,
             radius_factor: 1.0,
             max_radius_px: f32::MAX,
+            pixel_radius: None,
             opacity_factor: 1.0,
             part: CloudPart::All,
             relative_depth: false,

@@ -79,7 +79,7 @@ impl DeviceCloud {
             size,
             focal: [focal.x, focal_lo.x],
             depth_range: [camera.near as f32, camera.far as f32],
-            radius_limits: [how.radius_factor, how.max_radius_px],
+            radius_limits: radius_limits(how),
             orthographic: u32::from(matches!(camera.projection, Projection::Orthographic { .. })),
             opacity_factor: how.opacity_factor,
             threshold: how.part.threshold(),
@@ -103,6 +103,14 @@ impl DeviceCloud {
 
 fn padded(v: Vec3) -> [f32; 4] {
     [v.x, v.y, v.z, 0.0]
+}
+
+/// The factor on radii, and the largest one in pixels; a factor below 0 means that all are as large as that.
+fn radius_limits(how: &Projecting) -> [f32; 2] {
+    match how.pixel_radius {
+        Some(radius) => [-1.0, radius.min(how.max_radius_px)],
+        None => [how.radius_factor, how.max_radius_px],
+    }
 }
 
 /// Least and most opacity, dilation, and whether it is taken back.
