@@ -9,7 +9,7 @@ use pellucid_engine::methods::see_through::{self, OpacityFactor};
 use pellucid_engine::methods::{Frame, Renderer, spbr};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_scene::prepare::Arranged;
-use pellucid_scene::{CloudSettings, Family};
+use pellucid_scene::{CloudSettings, Family, Method, PeelLayers};
 use serde_json::{Value, json};
 
 use crate::ensemble_warnings;
@@ -48,13 +48,19 @@ pub fn warnings(prepared: &Prepared, cloud: &DeviceCloud, frame: &Frame, why: &s
 }
 
 /// Says why an image of these points is empty; `None` if it isn't.
-pub fn empty(image: &Image, points: &Points) -> Option<String> {
+pub fn empty(image: &Image, points: &Points, method: &Method) -> Option<String> {
     if image.rgba.iter().any(|pixel| pixel[3] > 0.0) {
         return None;
     }
     let opacities = &points.opacities;
     let invisible = !opacities.is_empty() && opacities.iter().all(|opacity| *opacity <= 0.0);
-    let why = if invisible { "all points have opacity 0" } else { "no point is in view" };
+    let why = match method {
+        _ if invisible => "all points have opacity 0".to_owned(),
+        Method::PeelLayers(PeelLayers { only: Some(only), .. }) if *only > 1 => {
+            format!("nothing is seen of layer {only}, which method.only shows alone")
+        }
+        _ => "no point is in view".to_owned(),
+    };
     Some(format!("the picture is empty: {why}"))
 }
 
@@ -197,4 +203,24 @@ fn said(factor: f32, prepared: &Prepared, rounded: impl Fn(f32) -> f32) -> Strin
         return format!("{} times the opacity of each point", rounded(factor));
     }
     listed(&see_through::opacities(factor, &prepared.scene().clouds).into_iter().map(rounded).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_empty_picture_of_a_single_layer_names_the_layer() {
+        let mut image = Image { width: 1, height: 1, rgba: vec![[0.0; 4]], ..Image::default() };
+        let points = Points { opacities: vec![0.5], ..Points::default() };
+        let of = |only| Method::PeelLayers(PeelLayers { only, ..PeelLayers::default() });
+        let says = |method, image: &Image| empty(image, &points, &method).unwrap_or_default();
+        assert!(says(of(Some(3)), &image).ends_with("nothing is seen of layer 3, which method.only shows alone"));
+        // Without a first layer there is no point at all.
+        for method in [of(Some(1)), of(None), Method::Points] {
+            assert!(says(method, &image).ends_with("no point is in view"));
+        }
+        image.rgba[0][3] = 0.25;
+        assert_eq!(empty(&image, &points, &of(Some(3))), None);
+    }
 }

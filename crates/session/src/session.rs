@@ -389,7 +389,7 @@ impl Session {
         if self.is_part {
             return Ok(());
         }
-        if let Some(empty) = notes::empty(image, self.prepared.points()) {
+        if let Some(empty) = notes::empty(image, self.prepared.points(), &self.frame.method) {
             messages.warn(&empty);
         } else if !std::mem::replace(&mut self.is_judged, true) {
             let Self { renderer, uploaded, frame, prepared, .. } = self;

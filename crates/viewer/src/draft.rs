@@ -233,7 +233,7 @@ fn coarse(share: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_scene::{Spbr, Stochastic};
+    use pellucid_scene::{ScreenSplats, Spbr, Stochastic};
 
     fn stochastic() -> Method {
         Method::Stochastic(Stochastic { samples: 64, ..Default::default() })
@@ -290,6 +290,23 @@ mod tests {
         let resting = of(&stochastic(), costs, Effort::Refining(1000.0));
         assert_eq!((resting.steps, resting.points), (Some(64), Some(10_000_000)));
         assert_eq!(first.name(&circles), "131k points, 3 × 3 pixels as one");
+    }
+
+    #[test]
+    fn a_layer_shown_alone_is_in_every_draft() {
+        let of = |only| Method::PeelLayers(PeelLayers { layers: 9, only, ..PeelLayers::default() });
+        let draft = |only| Draft::within(&of(only), None, 33.0).method(of(only));
+        assert!(matches!(draft(None), Method::PeelLayers(PeelLayers { layers: 4, .. })));
+        assert_eq!(draft(Some(7)), of(Some(7)));
+    }
+
+    #[test]
+    fn radii_in_pixels_are_as_wide_in_coarse_drafts() {
+        let of = |radius| Method::Circles(ScreenSplats { pixel_radius: radius, ..ScreenSplats::default() });
+        let coarse = |coarse| Draft { steps: None, coarse, points: None };
+        assert_eq!(coarse(4).method(of(Some(6.0))), of(Some(1.5)));
+        assert_eq!(coarse(1).method(of(Some(6.0))), of(Some(6.0)));
+        assert_eq!(coarse(4).method(of(None)), of(None));
     }
 
     #[test]

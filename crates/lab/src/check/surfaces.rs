@@ -307,7 +307,7 @@ fn alone(stage: &mut CaseRenderer) -> CaseResult {
         let method = Method::PeelLayers(PeelLayers { filters: PLAIN, layers: 4, only: Some(only) });
         let found = stage.render(&cloud(&dots), &Frame::new(pixels([1, 1]), [1, 1], method))?.image;
         // Powers of two, so that products are exact.
-        let wanted = composed(&[*dot]);
+        let wanted = (dot.opacity * dot.color).extend(dot.opacity).as_dvec4().to_array();
         error = error.max(apart(&found.rgba[0], &wanted)).max(apart(&found.depth, &[-dot.position.z]));
         if only > 1 {
             // What all layers up to this one leave of it.
