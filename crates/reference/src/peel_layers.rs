@@ -14,8 +14,8 @@ use pellucid_core::points::Points;
 use pellucid_scene::PeelLayers;
 
 /// Returns up to `settings.layers` layers after their filters, nearest first, until one is empty; none behind
-/// `settings.only`. In each pixel a layer's points lie at least d̃ behind the filtered depth of the layer before it; where that is background, the pixel
-/// is empty.
+/// `settings.only`. In each pixel a layer's points lie at least d̃ behind the filtered depth of the layer before it;
+/// where that is background, the pixel is empty.
 pub fn layers(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) -> Vec<Layer> {
     let filters = &settings.filters;
     let distance = image_space::layer_distance(filters.min_layer_distance, points);
@@ -65,8 +65,8 @@ fn shown<'a, L>(layers: &'a [L], settings: &PeelLayers) -> &'a [L] {
     layers.get(place..=place).unwrap_or_default()
 }
 
-/// Returns the whole image; its counts are those of the layers of each pixel that are shown. `colors` holds a color for each point,
-/// shaded and in the space that blending runs in ([`super::shading::shade`]).
+/// Returns the whole image; its counts are those of the layers of each pixel that are shown. `colors` holds a color for
+/// each point, shaded and in the space that blending runs in ([`super::shading::shade`]).
 pub fn render(view: View, points: &Points, colors: &[DVec3], settings: &PeelLayers) -> ReferencePicture {
     blend(view.size, shown(&layers(view, points, colors, settings), settings))
 }

@@ -310,7 +310,7 @@ fn alone(stage: &mut CaseRenderer) -> CaseResult {
         let wanted = (dot.opacity * dot.color).extend(dot.opacity).as_dvec4().to_array();
         error = error.max(apart(&found.rgba[0], &wanted)).max(apart(&found.depth, &[-dot.position.z]));
         if only > 1 {
-            // What all layers up to this one leave of it.
+            // All layers up to this one, blended.
             naive = naive.min(apart(&peel(&dots, 0.25, 0.0, only).0, &wanted));
         }
     }

@@ -330,7 +330,7 @@ fn holes_close_until_nothing_changes_any_more() {
         assert!(filtered(Iterations::Count(7)) != filtered(Iterations::Auto), "{in_hole}");
         assert!(filtered(Iterations::Count(8)) == filtered(Iterations::Auto), "{in_hole}");
     }
-    // What never closes stays: background beside a straight border.
+    // Background beside a straight border never closes.
     let half = sheet(15, |x, _| x > 7, f64::INFINITY);
     assert!(half.clone().filtered(&ImageSpace { fill: Iterations::Auto, ..plain() }, 1.0, 200.0) == half);
 }

@@ -4,8 +4,8 @@
 //! An image is kept in tiles of 16 × 16 pixels, each of which knows its range of depths and whether it has background.
 //! Before each run of a filter a work list is made of the tiles that it may change, and the filter is dispatched
 //! indirectly over it. A filter that runs until nothing changes is recorded as often as it may run: after a run that
-//! changed nothing all lists are empty. A tile has two places: a filter reads one and writes the other, so that nothing is copied, and
-//! tiles that are not listed cost nothing.
+//! changed nothing all lists are empty. A tile has two places: a filter reads one and writes the other, so that nothing
+//! is copied, and tiles that are not listed cost nothing.
 
 mod engine;
 mod passes;
