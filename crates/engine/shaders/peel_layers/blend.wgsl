@@ -1,7 +1,7 @@
 // peel-layers/blend: a filtered layer behind what is in the image already, and the depths that points of the next layer
-// must have at least; of a layer that is not shown these depths alone. One workgroup per listed tile, one invocation per
-// column and STRIP of rows; what lies outside of the window only gets those depths. Pixels of tiles that are not listed
-// have no point, nor will they have one. Reference: reference::peel_layers.
+// must have at least; of a layer that is not shown these depths alone. One workgroup per listed tile, one invocation
+// per column and STRIP of rows; what lies outside of the window only gets those depths. Pixels of tiles that are not
+// listed have no point, nor will they have one. Reference: reference::peel_layers.
 #import tiled
 #import dispatch
 #import filtered

@@ -228,6 +228,25 @@ fn filters_run_over_tiles_that_they_may_change() {
 }
 
 #[test]
+fn a_plan_says_how_many_iterations_had_tiles() {
+    with_device(|device| {
+        let size = [40, 40];
+        // A square of 4 pixels takes 3 iterations.
+        let points = plane(size, |x, y| (20..24).contains(&x) && (20..24).contains(&y));
+        let filters = ImageSpace { fill: Iterations::Auto, occlusion: Iterations::Count(2), ..ImageSpace::default() };
+        let frame = frame(pixel_camera(size), size, Method::ImageSpace(filters));
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&points).expect("fits");
+        let facts = renderer.render(&mut cloud, &frame).expect("renders").facts;
+        let steps = plan(device, &frame, &facts, true, "a reason");
+        let reason = |name: &str| steps.iter().find(|step| step.name == name).expect("it is listed").reason.clone();
+        let fill = reason("image-space/fill");
+        assert!(fill.starts_with("3 of at most 64 iterations had tiles with background"), "{fill}");
+        assert!(reason("image-space/occlusion").starts_with("2 iteration(s) over tiles"), "a fixed number");
+    });
+}
+
+#[test]
 fn layers_end_on_the_device_when_there_are_no_points_left() {
     with_device(|device| {
         let size = [40, 40];

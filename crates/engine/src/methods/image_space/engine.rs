@@ -146,7 +146,9 @@ impl Filtering {
                 }
                 Iterations::Auto => {
                     let (runs, most) = (facts.closing_runs[filter as usize], iterations.most());
-                    format!("{runs} of at most {most} iterations had tiles with {what}: {listed} of {tiles} tiles")
+                    format!(
+                        "{runs} of at most {most} iterations had tiles with {what}: {listed} visits of {tiles} tiles"
+                    )
                 }
             };
             // Its dispatches are recorded, if empty: the host does not know what an image holds.
