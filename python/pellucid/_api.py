@@ -53,7 +53,7 @@ def render(
     opacity
         Opacity of all points, from 0 to 1; 1 by default.
     method
-        One of the names that `methods` returns. "auto" is the cheapest method that is exact for the scene, unless the scene names a
+        One of the names that `methods` returns. "auto" is a method that is exact for the scene, unless the scene names a
         method.
     camera
         A `Camera`, or a dict of keys of [camera]. By default, a camera that sees the whole scene.

@@ -5,7 +5,7 @@ pub use crate::methods::Step;
 use crate::gpu::Device;
 use crate::methods::explain::FramePlan;
 use crate::methods::soft::SoftModel;
-use crate::methods::{Error, Facts, Frame, Renderer, cost, engine_of, pass_groups};
+use crate::methods::{Facts, Frame, Renderer, engine_of, pass_groups};
 use crate::passes::project::{DeviceCloud, Parts};
 use crate::points::Points;
 use crate::scene::{
@@ -15,8 +15,8 @@ use crate::scene::{
 
 /// Returns the method for these points: `auto` is replaced by one that is exact for them.
 ///
-/// Opaque splats need no transparency: the nearest decides. Flat splats only need an order of splats; unless the scene
-/// asks for a method, [`choose`] finds the cheaper of two. Splats that may cross need an order of fragments.
+/// Opaque splats need no transparency: the nearest decides. Flat splats only need an order of splats. Splats that may
+/// cross need an order of fragments.
 pub fn resolve(choice: MethodChoice, points: &Points) -> (Method, String) {
     resolve_factored(choice, points, 1.0)
 }
@@ -73,23 +73,36 @@ fn resolve_gaussians(discs: Discs) -> (Method, String) {
     }
 }
 
-/// Returns the method on a device: like [`resolve`], except that flat splats get the cheaper of `sorted` and `abuffer`,
-/// by a model of the device's frame times (see [`crate::methods::cost`]). The frame may have any method.
+/// Returns the method for a frame: like [`resolve`], except that `abuffer` takes the place of `sorted` where `sorted`
+/// can't draw the frame. Times decide nothing, so the same scene gets the same method on every device that can draw it.
+/// The frame may have any method.
 pub fn choose(
-    renderer: &mut Renderer,
-    cloud: &mut DeviceCloud,
+    renderer: &Renderer,
+    cloud: &DeviceCloud,
     points: &Points,
     choice: MethodChoice,
     frame: &Frame,
-) -> Result<(Method, String), Error> {
+) -> (Method, String) {
     match (choice, resolve_factored(choice, points, frame.factors.opacity)) {
-        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) if frame.shading.edl.edl => Ok((
-            Method::ABuffer(discs),
-            format!("{why}; eye-dome lighting needs lists of fragments, which abuffer makes"),
-        )),
-        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
-        (_, resolved) => Ok(resolved),
+        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) => match unsortable(renderer, cloud, frame) {
+            Some(reason) => (Method::ABuffer(discs), format!("{why}; {reason}")),
+            None => (Method::Sorted(discs), why),
+        },
+        (_, resolved) => resolved,
     }
+}
+
+/// Returns the reason why `sorted` can't draw a frame.
+fn unsortable(renderer: &Renderer, cloud: &DeviceCloud, frame: &Frame) -> Option<String> {
+    if frame.shading.edl.edl {
+        return Some("eye-dome lighting needs lists of fragments, which abuffer makes".to_owned());
+    }
+    if renderer.device().info().subgroup.is_none() {
+        return Some("the device has no subgroup shuffles, which sorted needs".to_owned());
+    }
+    // Points that are read a part at a time need no more memory than a part.
+    let fits = cloud.supply().is_some() || renderer.can_sort(cloud, frame);
+    (!fits).then(|| format!("there is not enough memory to sort {} splats", cloud.len()))
 }
 
 /// Returns the method that forms the image of another one exactly, except for rounding: `abuffer` for discs, and

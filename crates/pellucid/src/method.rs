@@ -24,7 +24,7 @@ macro_rules! methods {
 }
 
 methods! {
-    /// The cheapest exact method for the scene.
+    /// The exact method that suits the scene.
     Auto = "auto",
     /// Transparent discs, exact, by lists of fragments.
     ABuffer = "abuffer",

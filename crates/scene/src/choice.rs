@@ -10,7 +10,7 @@ use super::table::Table;
 /// known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MethodChoice {
-    /// The cheapest method that is exact for the points, for these discs.
+    /// The exact method that suits the points, for these discs.
     Auto(Discs),
     /// A particular method.
     Fixed(Method),

@@ -34,7 +34,7 @@ the folder of the scene file. Numbers may be written as integers; NaN and infini
 const METHOD: &str = "
 ## `[method]`
 
-`name` is `\"auto\"` by default: the cheapest exact method for the scene. Methods of one family draw the same things, each in
+`name` is `\"auto\"` by default: the exact method that suits the scene. Methods of one family draw the same things, each in
 its way.
 
 ";

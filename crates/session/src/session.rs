@@ -237,7 +237,6 @@ impl Session {
         if is_new {
             self.frame = frame;
             (self.found, self.choice, self.is_judged) = (None, None, false);
-            // On a device that was not met before, `auto` measures it first.
             self.progress.begin(Phase::Frame);
             self.progress.set_message("choosing the method");
             match wish {
@@ -246,10 +245,9 @@ impl Session {
                     self.choose(wish, messages)?;
                 }
                 None => {
-                    let Self { renderer, uploaded, frame, prepared, .. } = self;
-                    let method = prepared.scene().method;
+                    let (method, points) = (self.prepared.scene().method, self.prepared.points());
                     (self.frame.method, self.why) =
-                        plan::choose(renderer, &mut uploaded.cloud, prepared.points(), method, frame)?;
+                        plan::choose(&self.renderer, &self.uploaded.cloud, points, method, &self.frame);
                     self.find_opacity()?;
                 }
             }

@@ -134,7 +134,7 @@ pub struct InputArgs {
     pub residence: Residence,
 }
 
-const METHOD_HELP: &str = "Rendering method, as in abuffer; by default the cheapest exact one";
+const METHOD_HELP: &str = "Rendering method, as in abuffer; by default an exact one";
 
 /// Describes the option, and lists every method, family by family.
 fn method_help() -> String {
@@ -144,7 +144,7 @@ fn method_help() -> String {
     };
     let families: Vec<_> = Family::ALL.into_iter().map(family).collect();
     format!(
-        "Rendering method, as in abuffer.\n\n{}\n\nDefault: the scene file's, else auto: the cheapest exact method for the \
+        "Rendering method, as in abuffer.\n\n{}\n\nDefault: the scene file's, else auto: an exact method for the \
          scene. `pellucid plan` prints the choice and its reason.",
         families.join("\n")
     )

@@ -40,6 +40,28 @@ fn is_new(said: &str) -> bool {
     !said.contains("frames rendered for it now: 0\n")
 }
 
+/// Lists that `sorted` and `abuffer` round differently.
+#[test]
+fn a_scene_has_the_same_method_and_bytes_whatever_the_cache_holds() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "volume", &["points=30000", "layers=400"]);
+    let options = ["--method", "auto"];
+    render(&folder, &scene, "fresh.exr", &options);
+    render(&folder, &scene, "used.exr", &options);
+    // Times of all methods on this device and scene.
+    render(&folder, &scene, "chosen.exr", &[&options[..], &["--budget", "1000"]].concat());
+    let said = render(&folder, &scene, "measured.exr", &options);
+    assert!(said.contains("method sorted: 30000 of 30000 points are transparent"), "{said}");
+    let [fresh, others @ ..] = ["fresh.exr", "used.exr", "measured.exr"].map(|name| fs::read(inside(&folder, name)));
+    let fresh = fresh.unwrap();
+    assert!(others.into_iter().all(|other| other.unwrap() == fresh));
+    let (_, metadata) = exr(&inside(&folder, "fresh.exr"));
+    assert!(metadata["pellucid:method"].contains("sorted") && !metadata.contains_key("pellucid:choice"));
+}
+
 #[test]
 fn soft_spheres_have_a_choice_too() {
     if !has_device() {

@@ -87,7 +87,7 @@ impl Frame {
     }
 
     /// Returns a frame of a scene by a camera and a seed, to the last bit, with all available memory. `auto` becomes
-    /// the A-buffer; [`crate::plan::choose`] finds a cheaper method.
+    /// the A-buffer; [`crate::plan::choose`] finds the method that suits the points.
     pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
         Self {
             shading: scene.shading,

@@ -14,7 +14,7 @@ use crate::methods::{Stop, tiled};
 use crate::scene::{Peel, Raster as Way};
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
-pub const ORDERED_AREA: u64 = 32;
+const ORDERED_AREA: u64 = 32;
 
 /// Lists of fragments, each pixel's sorted and blended.
 pub(crate) struct ListEngine {

@@ -5,7 +5,6 @@ pub mod abuffer;
 pub mod approximate;
 pub mod brightness;
 mod bytes;
-pub mod cost;
 pub mod deep;
 pub(crate) mod edl;
 pub mod ellipsoids;

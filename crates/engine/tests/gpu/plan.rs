@@ -34,7 +34,7 @@ fn half_soft(points: Points) -> Points {
 }
 
 #[test]
-fn auto_takes_the_cheapest_method_that_is_exact() {
+fn auto_takes_the_exact_method_that_suits_the_points() {
     let (method, why) = resolve(MethodChoice::default(), &scene(&with_opacities(&[1.0, 1.0])));
     // Not clamped: the image is that of the exact method.
     assert!(

@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let combo = ComboBox::from_id_salt("method").selected_text(name).width(150.0).height(640.0);
         let shown = combo.show_ui(ui, |ui| {
-            ui.selectable_value(&mut name, auto, auto).on_hover_text("the cheapest exact method for the scene");
+            ui.selectable_value(&mut name, auto, auto).on_hover_text("the exact method that suits the scene");
             for purpose in Purpose::ALL {
                 ui.add_space(4.0);
                 ui.label(RichText::new(purpose.title()).weak().size(11.0));

@@ -17,7 +17,7 @@ use pellucid_core::points::Changes;
 use pellucid_core::progress::Progress;
 use pellucid_gpu::Device;
 use pellucid_scene::prepare::{self, Request};
-use pellucid_scene::{CameraSettings, Document, METHODS, Overrides, Scene, Setting};
+use pellucid_scene::{Document, METHODS, Overrides, Scene, Setting};
 use pellucid_session::{Clouds, Sources};
 use pellucid_testing::with_device;
 use pellucid_viewer::draft::{Cost, Costs, Effort};
@@ -292,35 +292,8 @@ fn auto_is_asked_again_when_points_become_transparent() {
         };
         assert_eq!(method(&document), "circles");
         document.put("cloud.1.opacity", Setting::Number(0.5)).unwrap();
-        assert!(["sorted", "abuffer"].contains(&method(&document)));
+        assert_eq!(method(&document), "sorted");
         document.put("cloud.1.opacity", Setting::Number(1.0)).unwrap();
         assert_eq!(method(&document), "circles");
-    });
-}
-
-/// The cheapest method depends on the splats' size, so `auto` considers the view of every whole picture, however it
-/// came about.
-#[test]
-fn auto_is_asked_for_the_view_of_each_whole_picture() {
-    with_device(|device| {
-        let (document, mut stage) = (document(), stage(device, vec![cloud(1, 60), cloud(2, 50)]));
-        let at = |distance: f64| {
-            let (eye, target, up) = (Some(DVec3::Z * distance), Some(DVec3::ZERO), Some(DVec3::Y));
-            Pose::At(CameraSettings { eye, target, up, ..CameraSettings::default() })
-        };
-        let scene = document.scene().unwrap();
-        // The load that the choice is based on: "for 110 splats of 12.3 pixels".
-        let mut load = |pose, effort| {
-            let why = stage.take(&scene, pose, effort).unwrap().why;
-            why.split_once("; for ").unwrap().1.split(" pixels").next().unwrap().to_owned()
-        };
-        let [far, near] = [50.0, 3.0].map(|distance| load(at(distance), Effort::Whole));
-        assert_ne!(far, near);
-        for effort in [Effort::Moving(1e9), Effort::Refining(1e9)] {
-            assert_eq!(load(at(50.0), effort), far, "{effort:?}");
-            assert_eq!(load(at(3.0), effort), near, "{effort:?}");
-        }
-        // Drafts have no time for it.
-        assert_eq!(load(at(50.0), Effort::Moving(1e-9)), near);
     });
 }

@@ -1,13 +1,11 @@
-//! Counts, costs and lists of a frame, without its image.
+//! Counts and lists of a frame, without its image.
 
 use super::Renderer;
 use super::walk::{Job, first_counts};
 use crate::methods::abuffer::{Lists, Shown};
-use crate::methods::cost::Load;
-use crate::methods::engine::project;
 use crate::methods::lists::ListEngine;
-use crate::methods::{Error, Facts, Frame, Timeline, engine_of, projecting};
-use crate::passes::project::{DeviceCloud, Stats};
+use crate::methods::{Error, Facts, Frame, Timeline, engine_of};
+use crate::passes::project::DeviceCloud;
 use crate::scene::{Discs, Method};
 
 impl Renderer {
@@ -23,16 +21,6 @@ impl Renderer {
         let job = Job { samples, survey: true, ..Job::new(engine, frame, begun.budget) };
         self.walk(cloud, &job, &begun.windows, &mut timeline, &mut facts, |_, _| Ok(()))?;
         Ok(facts)
-    }
-
-    /// Returns the factors of the cost of a frame of discs, from projecting alone.
-    pub fn load(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: &Discs) -> Result<Load, Error> {
-        frame.check()?;
-        let [width, height] = frame.size;
-        let (window, how) = ([0, 0, width, height], projecting::discs(frame, cloud, discs));
-        let stats = project(&self.device, cloud, (frame, window), &how, &mut Timeline::new(&self.progress))?;
-        let splats = stats.iter().map(|s| u64::from(s.visible)).sum();
-        Ok(Load { splats, area: Stats::area(&stats), pixels: u64::from(width) * u64::from(height) })
     }
 
     /// Returns the lists of a frame that fits in one window and band, before sorting: for tests and inspection.
