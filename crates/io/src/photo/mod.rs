@@ -5,18 +5,25 @@ mod directory;
 mod picture;
 mod surface;
 
-use std::path::{Path, PathBuf};
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
 
-use glam::DVec3;
+use bytesize::ByteSize;
+use glam::{DVec3, Vec3};
 use pellucid_core::progress::Progress;
 
-use super::{Error, InputFile};
+use super::{Error, InputFile, has_memory};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use picture::Picture;
+pub(crate) use picture::pixels;
 use surface::Surface;
 
-/// Pixels of a picture at most, and points that it may become: 2²⁸.
-pub const MAX_PIXELS: u64 = 1 << 28;
+/// Pixels of a picture at most: 2³².
+pub const MAX_PIXELS: u64 = 1 << 32;
+
+/// Points that it may become.
+const MAX_POINTS: f64 = 2.0 * MAX_PIXELS as f64;
 
 /// A picture's placement in the world, and its displacement: `photo` of a `[[cloud]]`.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -40,71 +47,107 @@ pub struct Heights {
     pub scale: f64,
 }
 
-/// Reads a picture. Colors are sRGB-decoded (float pictures hold linear ones), the alpha channel becomes the points'
-/// alpha, and pixels of alpha 0 are left out.
+/// Reads a picture as a whole.
 pub(super) fn read(source: InputFile, photo: &Photo, progress: &Progress) -> Result<Cloud, Error> {
     let path = source.path.clone();
-    let picture = Picture::read(source)?;
-    let size = [picture.width, picture.height];
-    let surface = match &photo.heights {
-        None => Surface::flat(size, photo),
-        Some(heights) => {
-            let map = Picture::read(InputFile::open(&heights.path)?)?;
-            Surface::new(size, photo, &map.gray(), [map.width, map.height], heights.scale)
-        }
-    };
-    let copies = surface.expected_points();
-    if !copies.is_finite() || copies > MAX_PIXELS as f64 {
+    let placed = PlacedPicture::open(source, photo)?;
+    let expected = placed.expected_points();
+    // Their number is random where a picture is steep; its spread is below half of its root.
+    let room = (expected + expected.sqrt() + 1.0) as u64;
+    let bytes = room.saturating_mul(placed.point_bytes());
+    if !has_memory(bytes) {
         let cause = format!(
-            "so steep that the picture would become {copies:.1e} points, but {MAX_PIXELS} is the most; \
-             a smaller height_scale or a smoother map would help"
+            "it would become {expected:.1e} points, which need {} of memory; scale the picture down, or read it in parts \
+             with --host-memory",
+            ByteSize(bytes)
         );
-        return Err(Error::malformed(&path, "photo.heights", cause));
+        return Err(Error::malformed(&path, "the picture", cause));
     }
-    points(&path, &picture, &surface, copies, progress)
+    progress.set_length(placed.size().iter().map(|side| u64::from(*side)).product());
+    Ok(placed.points(0..placed.size()[1], room as usize, progress))
 }
 
-fn points(
-    path: &Path,
-    picture: &Picture,
-    surface: &Surface,
-    expected: f64,
-    progress: &Progress,
-) -> Result<Cloud, Error> {
-    // The number of copies is random; its spread is below half of its root, and growing further is no harm.
-    let room = expected as usize + expected.sqrt() as usize + 1;
-    progress.set_length(u64::from(picture.width) * u64::from(picture.height));
-    let columns =
-        || Some((column(room)?, column(room)?, column(room)?, column(if picture.has_alpha { room } else { 0 })?));
-    let (mut positions, mut normals, mut colors, mut alphas) = columns().ok_or_else(|| {
-        let cause = format!("there is not enough memory for its {room} points; scale the picture down");
-        Error::malformed(path, "the picture", cause)
-    })?;
-    for y in 0..picture.height {
-        for x in 0..picture.width {
-            let (color, alpha) = picture.pixel(x, y);
-            if alpha > 0.0 {
-                let copies = surface.copies(x, y) as usize;
-                positions.extend(std::iter::repeat_n(surface.position(x, y), copies));
-                normals.extend(std::iter::repeat_n(surface.normal(x, y), copies));
-                colors.extend(std::iter::repeat_n(color, copies));
-                alphas.extend(std::iter::repeat_n(alpha, if picture.has_alpha { copies } else { 0 }));
+/// A picture on the surface where its pixels are.
+pub(crate) struct PlacedPicture {
+    picture: Picture,
+    surface: Surface,
+}
+
+impl fmt::Debug for PlacedPicture {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PlacedPicture").field("size", &self.size()).finish_non_exhaustive()
+    }
+}
+
+impl PlacedPicture {
+    /// Decodes a picture and its height map.
+    pub fn open(source: InputFile, photo: &Photo) -> Result<Self, Error> {
+        let path = source.path.clone();
+        let picture = Picture::read(source)?;
+        let size = [picture.width, picture.height];
+        let surface = match &photo.heights {
+            None => Surface::flat(size, photo),
+            Some(heights) => {
+                let map = Picture::read(InputFile::open(&heights.path)?)?;
+                Surface::new(size, photo, map.gray(), [map.width, map.height], heights.scale)
             }
+        };
+        let placed = Self { picture, surface };
+        let expected = placed.expected_points();
+        if !expected.is_finite() || expected > MAX_POINTS {
+            let cause = format!(
+                "so steep that the picture would become {expected:.1e} points, but {MAX_POINTS:.1e} is the most; a \
+                 smaller height_scale or a smoother map would help"
+            );
+            return Err(Error::malformed(&path, "photo.heights", cause));
         }
-        progress.inc(u64::from(picture.width));
+        Ok(placed)
     }
-    Ok(Cloud {
-        positions,
-        colors: Some(colors),
-        alphas: picture.has_alpha.then_some(alphas),
-        normals: Some(normals),
-        up: UpAxis::Y,
-        ..Cloud::default()
-    })
-}
 
-/// A column with room for so many values; `None` if memory is insufficient.
-fn column<T>(values: usize) -> Option<Vec<T>> {
-    let mut column = Vec::new();
-    column.try_reserve_exact(values).ok().map(|()| column)
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.picture.width, self.picture.height]
+    }
+
+    /// Returns the mean number of points over all fractions that are left to chance, if no pixel is transparent.
+    pub fn expected_points(&self) -> f64 {
+        self.surface.expected_points()
+    }
+
+    /// Bytes of a point in memory.
+    fn point_bytes(&self) -> u64 {
+        let alpha = if self.picture.has_alpha { size_of::<f32>() } else { 0 };
+        (size_of::<DVec3>() + 2 * size_of::<Vec3>() + alpha) as u64
+    }
+
+    /// Returns the points of some rows, from the top. Colors are sRGB-decoded (float pictures hold linear ones), the
+    /// alpha channel becomes the points' alpha, and pixels of alpha 0 are left out.
+    pub fn points(&self, rows: Range<u32>, expected: usize, progress: &Progress) -> Cloud {
+        let Self { picture, surface } = self;
+        let mut positions = Vec::with_capacity(expected);
+        let mut normals = Vec::with_capacity(expected);
+        let mut colors = Vec::with_capacity(expected);
+        let mut alphas = Vec::with_capacity(if picture.has_alpha { expected } else { 0 });
+        for y in rows {
+            for x in 0..picture.width {
+                let (color, alpha) = picture.pixel(x, y);
+                if alpha > 0.0 {
+                    let copies = surface.copies(x, y) as usize;
+                    positions.extend(std::iter::repeat_n(surface.position(x, y), copies));
+                    normals.extend(std::iter::repeat_n(surface.normal(x, y), copies));
+                    colors.extend(std::iter::repeat_n(color, copies));
+                    alphas.extend(std::iter::repeat_n(alpha, if picture.has_alpha { copies } else { 0 }));
+                }
+            }
+            progress.inc(u64::from(picture.width));
+        }
+        Cloud {
+            positions,
+            colors: Some(colors),
+            alphas: picture.has_alpha.then_some(alphas),
+            normals: Some(normals),
+            up: UpAxis::Y,
+            ..Cloud::default()
+        }
+    }
 }

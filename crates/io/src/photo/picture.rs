@@ -1,14 +1,16 @@
 //! PNG, JPEG and TIFF as pixels. A header's claims are compared with the file's length before memory is allocated.
 
 use std::io::{BufRead, ErrorKind};
+use std::path::{Path, PathBuf};
 
+use bytesize::ByteSize;
 use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use super::{InputFile, MAX_PIXELS, directory};
 use crate::bitmap::{self, Sample};
 use crate::channel::unit_or;
-use crate::{Error, decoder};
+use crate::{Error, decoder, has_memory};
 use pellucid_core::color::linear_values;
 
 /// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032.
@@ -34,50 +36,35 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Decodes a whole file. A panic of the decoder is the file's fault.
+    /// Decodes a whole file.
     pub fn read(mut source: InputFile) -> Result<Self, Error> {
         directory::check(&mut source)?;
         let path = source.path.clone();
-        decoder::guard(|| Self::decode(source)).unwrap_or_else(|panic| {
-            Err(Error::malformed(&path, "the picture", format!("the decoder gave up: {panic}")))
-        })
+        guarded(&path, || Self::decode(source))
     }
 
-    fn decode(mut source: InputFile) -> Result<Self, Error> {
-        let (path, len) = (source.path.clone(), source.len);
-        let malformed = |place: &str, cause: String| Error::malformed(&path, place, cause);
-        let failed = |error: ImageError| match error {
-            ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
-                Error::Truncated { path: path.clone(), what: format!("the pixels continue past the last byte, {len}") }
-            }
-            error => malformed("the picture", bitmap::reason(&error)),
-        };
-        let start = source.reader.fill_buf().map_err(|error| failed(error.into()))?;
-        // Files without a known signature, which height maps may be, are the TIFF decoder's to refuse.
-        let format = bitmap::format(start).unwrap_or(ImageFormat::Tiff);
-        let mut reader = ImageReader::with_format(source.reader, format);
-        reader.limits(bitmap::limits(len));
-        let mut decoder = reader.into_decoder().map_err(failed)?;
+    fn decode(source: InputFile) -> Result<Self, Error> {
+        let failure = Failure { path: source.path.clone(), len: source.len };
+        let len = source.len;
+        let (mut decoder, format) = header(source)?;
         let (width, height) = decoder.dimensions();
-        let pixels = u64::from(width) * u64::from(height);
-        if pixels == 0 {
-            return Err(malformed("the header", format!("{width} × {height} pixels, so the picture is empty")));
-        }
-        if pixels > MAX_PIXELS {
-            let cause =
-                format!("{width} × {height} pixels, but at most {MAX_PIXELS} are supported; scale the picture down");
-            return Err(malformed("the header", cause));
-        }
         let bytes = decoder.total_bytes();
         let allowed = if format == ImageFormat::Jpeg { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
         if bytes > allowed && bytes / LARGEST_RATIO > len {
             let what = format!("{width} × {height} pixels of {bytes} bytes don't fit in a file of {len} bytes");
-            return Err(Error::Truncated { path: path.clone(), what });
+            return Err(Error::Truncated { path: failure.path, what });
         }
-        let orientation = decoder.orientation().map_err(failed)?;
         // The picture, and what its decoder keeps beside it.
+        let needed = bytes.saturating_mul(2).saturating_add(64 << 20);
+        if !has_memory(needed) {
+            let cause =
+                format!("{width} × {height} pixels need {} of memory; scale the picture down", ByteSize(needed));
+            return Err(Error::malformed(&failure.path, "the header", cause));
+        }
+        let failed = |error| failure.because(error);
+        let orientation = decoder.orientation().map_err(failed)?;
         let mut limits = bitmap::limits(len);
-        limits.max_alloc = Some(2 * bytes + (64 << 20));
+        limits.max_alloc = Some(needed);
         decoder.set_limits(limits).map_err(failed)?;
         let mut upright = DynamicImage::from_decoder(decoder).map_err(failed)?;
         upright.apply_orientation(orientation);
@@ -113,5 +100,60 @@ impl Picture {
             }
         };
         (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y))).map(|(x, y)| gray(x, y)).collect()
+    }
+}
+
+/// Returns the number of pixels that a file claims.
+pub fn pixels(mut source: InputFile) -> Result<u64, Error> {
+    directory::check(&mut source)?;
+    let path = source.path.clone();
+    guarded(&path, || header(source).map(|(decoder, _)| count(&decoder)))
+}
+
+/// A panic of the decoder is the file's fault.
+fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    decoder::guard(read)
+        .unwrap_or_else(|panic| Err(Error::malformed(path, "the picture", format!("the decoder gave up: {panic}"))))
+}
+
+/// Reads what stands before the pixels.
+fn header(mut source: InputFile) -> Result<(impl ImageDecoder, ImageFormat), Error> {
+    let failure = Failure { path: source.path.clone(), len: source.len };
+    let failed = |error| failure.because(error);
+    let start = source.reader.fill_buf().map_err(|error| failed(error.into()))?;
+    // Files without a known signature, which height maps may be, are the TIFF decoder's to refuse.
+    let format = bitmap::format(start).unwrap_or(ImageFormat::Tiff);
+    let mut reader = ImageReader::with_format(source.reader, format);
+    reader.limits(bitmap::limits(failure.len));
+    let decoder = reader.into_decoder().map_err(failed)?;
+    let (width, height) = decoder.dimensions();
+    let cause = match count(&decoder) {
+        0 => format!("{width} × {height} pixels, so the picture is empty"),
+        1..=MAX_PIXELS => return Ok((decoder, format)),
+        _ => format!("{width} × {height} pixels, but at most {MAX_PIXELS} are supported; scale the picture down"),
+    };
+    Err(Error::malformed(&failure.path, "the header", cause))
+}
+
+fn count(decoder: &impl ImageDecoder) -> u64 {
+    let (width, height) = decoder.dimensions();
+    u64::from(width) * u64::from(height)
+}
+
+/// The file that can't be decoded, and its length.
+struct Failure {
+    path: PathBuf,
+    len: u64,
+}
+
+impl Failure {
+    fn because(&self, error: ImageError) -> Error {
+        match error {
+            ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
+                let what = format!("the pixels continue past the last byte, {}", self.len);
+                Error::Truncated { path: self.path.clone(), what }
+            }
+            error => Error::malformed(&self.path, "the picture", bitmap::reason(&error)),
+        }
     }
 }

@@ -16,8 +16,16 @@ pub struct Surface {
     up: DVec3,
     /// Unit normal of the plane, toward those who see the picture the right way round.
     normal: DVec3,
-    /// Heights in world units, row by row from the top; empty means all 0.
-    heights: Vec<f64>,
+    map: Option<HeightMap>,
+}
+
+/// Values of a height map, from which heights are interpolated as they are asked for.
+struct HeightMap {
+    /// In [0, 1], row by row from the top.
+    values: Vec<f32>,
+    size: [u32; 2],
+    /// Height of 1 over 0, world units.
+    scale: f64,
 }
 
 impl Surface {
@@ -27,20 +35,17 @@ impl Surface {
         let [right, up] = photo.edges.unwrap_or([DVec3::X, DVec3::Y * (height / width)]);
         let origin = photo.origin.unwrap_or(-0.5 * (right + up));
         let normal = right.cross(up).normalize_or_zero();
-        Self { size, origin, right, up, normal, heights: Vec::new() }
+        Self { size, origin, right, up, normal, map: None }
     }
 
     /// Returns the plane displaced by a map of `map_size` values in [0, 1], row by row; 1 displaces by `scale`.
-    pub fn new(size: [u32; 2], photo: &Photo, map: &[f32], map_size: [u32; 2], scale: f64) -> Self {
-        let [width, height] = size;
-        let at = |x, y| scale * sample(map, map_size, [x, y], size);
-        let heights = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect();
-        Self { heights, ..Self::flat(size, photo) }
+    pub fn new(size: [u32; 2], photo: &Photo, values: Vec<f32>, map_size: [u32; 2], scale: f64) -> Self {
+        Self { map: Some(HeightMap { values, size: map_size, scale }), ..Self::flat(size, photo) }
     }
 
     fn height(&self, x: u32, y: u32) -> f64 {
-        let at = y as usize * self.size[0] as usize + x as usize;
-        self.heights.get(at).copied().unwrap_or(0.0)
+        let height = |map: &HeightMap| map.scale * sample(&map.values, map.size, [x, y], self.size);
+        self.map.as_ref().map_or(0.0, height)
     }
 
     /// Returns the world position of a pixel's center; column from the left, row from the top.
@@ -53,7 +58,7 @@ impl Surface {
     /// Normal of the surface at a pixel, longer than that of the plane by 1 / cos φ: the cross product of its tangents,
     /// with slopes by central differences, at the rims by one-sided ones.
     fn scaled_normal(&self, x: u32, y: u32) -> DVec3 {
-        if self.heights.is_empty() {
+        if self.map.is_none() {
             return self.normal;
         }
         let slope = |count: u32, at: u32, height: &dyn Fn(u32) -> f64| {
@@ -81,7 +86,7 @@ impl Surface {
     /// Returns the mean number of points over all fractions that are left to chance, if no pixel is transparent.
     pub fn expected_points(&self) -> f64 {
         let [width, height] = self.size;
-        if self.heights.is_empty() {
+        if self.map.is_none() {
             return f64::from(width) * f64::from(height);
         }
         let row = |y| (0..width).map(|x| self.stretch(x, y)).sum::<f64>();
@@ -134,7 +139,7 @@ mod tests {
         let edges = Some([DVec3::new(2.0, 0.0, 0.0), DVec3::new(1.0, 1.0, 0.0)]);
         let map: Vec<f32> = (0..16).map(|i| (i % 4) as f32 / 4.0).collect();
         let photo = Photo { edges, ..Photo::default() };
-        let surface = Surface::new([4, 4], &photo, &map, [4, 4], 2.0);
+        let surface = Surface::new([4, 4], &photo, map, [4, 4], 2.0);
         // Along x at constant y the height grows by 2 over a length of 2, and along y at constant u by nothing: on the
         // way up the x grows too, so that the gradient is (1, −1) and 1 / cos φ = √3.
         for (x, y) in [(0, 0), (2, 1), (3, 3)] {

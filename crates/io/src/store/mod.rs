@@ -24,6 +24,7 @@ mod keys;
 mod las;
 mod octree;
 mod open;
+mod photo;
 mod ply;
 mod tiles;
 mod whole;

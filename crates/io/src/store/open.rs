@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
+use super::photo::PhotoPieces;
 use super::{Copc, Ept, LasPieces, MemoryStore, Octree, PlyPieces, Store, Summary};
 use crate::las::LasFile;
+use crate::photo::{self, Photo};
 use crate::ply::{Vertices, is_prepared};
 use crate::{Error, Format, Hints, InputFile, NAMES_WITHOUT_EFFECT, load_with, splats};
 use pellucid_core::progress::Progress;
 
 /// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder
-/// (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files are loaded as a whole, which
+/// (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files, pictures. All other files are loaded as a whole, which
 /// `progress` follows.
 ///
 /// Opening takes as long as each says: [`Octree`], [`Ept`], [`Copc`], [`LasPieces`], [`PlyPieces`].
@@ -36,6 +38,11 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
             Some(store) => hinted(path, &hints, store, |store| &mut store.summary),
             None => whole(path, hints, progress),
         },
+        StoreFormat::Picture(source) => {
+            let mut store = PhotoPieces::new(source, hints.photo.unwrap_or(&Photo::default()))?;
+            store.summary.like.warnings.extend(hints.columns.map(|_| NAMES_WITHOUT_EFFECT.to_owned()));
+            Ok(Box::new(store))
+        }
         StoreFormat::Whole => whole(path, hints, progress),
     }
 }
@@ -46,6 +53,7 @@ enum StoreFormat {
     Octree,
     Las(InputFile),
     Ply(InputFile),
+    Picture(InputFile),
     /// A file or folder that is read as a whole.
     Whole,
 }
@@ -66,6 +74,7 @@ impl StoreFormat {
         Ok(match Format::detect(&source, &start) {
             Ok(Format::Las) => Self::Las(source),
             Ok(Format::Ply) => Self::Ply(source),
+            Ok(Format::Picture) => Self::Picture(source),
             _ => Self::Whole,
         })
     }
@@ -88,6 +97,8 @@ pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)
             (Vertices::Rows(rows), remarks) if !is_prepared(&remarks.comments) => Some((rows.count, None)),
             _ => None,
         },
+        // Steep ones become more.
+        StoreFormat::Picture(source) => Some((photo::pixels(source)?, None)),
         StoreFormat::Whole => None,
     })
 }
@@ -105,7 +116,7 @@ pub fn has_levels(path: &Path, hints: &Hints) -> Result<bool, Error> {
     Ok(match StoreFormat::at(path)? {
         StoreFormat::Ept | StoreFormat::Octree => true,
         StoreFormat::Las(source) => LasFile::open(source, hints.las)?.header.copc.is_some(),
-        StoreFormat::Ply(_) | StoreFormat::Whole => false,
+        StoreFormat::Ply(_) | StoreFormat::Picture(_) | StoreFormat::Whole => false,
     })
 }
 

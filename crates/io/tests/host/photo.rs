@@ -10,6 +10,7 @@ use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::color::decode_srgb;
 use pellucid_core::progress::Progress;
 use pellucid_io::photo::{Heights, Photo};
+use pellucid_io::store::{announced, open};
 use pellucid_io::{Error, Hints, load_with};
 use tempfile::TempDir;
 
@@ -348,18 +349,24 @@ fn damaged_pictures_and_bombs() {
         // Read or refused, without a panic and without taking much memory.
         let _ = read(&named("flipped.tiff", &bytes), None);
     }
-    // A header of 40 000 × 40 000 and of 16 000 × 16 000 pixels before no data.
-    for (side, says) in [(40_000u32, "at most 268435456 are supported"), (16_000, "don't fit in a file of")] {
-        let mut bomb = good[..33].to_vec();
-        bomb[16..20].copy_from_slice(&side.to_be_bytes());
-        bomb[20..24].copy_from_slice(&side.to_be_bytes());
-        let check = crc(&bomb[12..29]).to_be_bytes();
-        bomb[29..33].copy_from_slice(&check);
-        bomb.extend([0, 0, 0, 0, b'I', b'D', b'A', b'T', 0x35, 0xaf, 0x06, 0x1e]);
+    // Headers before no data.
+    for (side, says) in [(70_000u32, "at most 4294967296 are supported"), (16_000, "don't fit in a file of")] {
+        let bomb = claiming(&good, [side; 2]);
         assert_refused(&named("bomb.png", &bomb), None, &["bomb.png", &side.to_string(), says]);
     }
     let empty = write(&folder, "empty.png", [3, 3], ExtendedColorType::Rgba8, &[7, 7, 7, 0].repeat(9));
     assert_refused(&empty, None, &["the cloud has no points"]);
+}
+
+/// The start of a PNG with another size, before no data.
+fn claiming(png: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
+    let mut claim = png[..33].to_vec();
+    claim[16..20].copy_from_slice(&width.to_be_bytes());
+    claim[20..24].copy_from_slice(&height.to_be_bytes());
+    let check = crc(&claim[12..29]).to_be_bytes();
+    claim[29..33].copy_from_slice(&check);
+    claim.extend([0, 0, 0, 0, b'I', b'D', b'A', b'T', 0x35, 0xaf, 0x06, 0x1e]);
+    claim
 }
 
 /// The checksum of a chunk of a PNG (ISO 3309).
@@ -367,6 +374,43 @@ fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 })
     })
+}
+
+/// Steep heights, and pixels that are no points.
+#[test]
+fn pieces_of_a_picture_are_the_cloud_of_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let side = 1000;
+    let pixel = |i: u32| [(i % 251) as u8, (i % 7) as u8, 40, if i < 200 * side || i % 5 == 0 { 0 } else { 255 }];
+    let pixels: Vec<u8> = (0..side * side).flat_map(pixel).collect();
+    let path = write(&folder, "photo.png", [side; 2], ExtendedColorType::Rgba8, &pixels);
+    let heights: Vec<u8> = (0..64 * 64).map(|i| (37 * (i / 64) + 11 * i) as u8).collect();
+    let map = write(&folder, "map.png", [64; 2], ExtendedColorType::L8, &heights);
+    let photo = Photo { heights: Some(Heights { path: map, scale: 0.05 }), ..Photo::default() };
+    let cloud = read(&path, Some(&photo)).unwrap();
+    let store = open(&path, Hints { photo: Some(&photo), ..Hints::default() }, &Progress::hidden()).unwrap();
+    assert_eq!((store.summary().points, store.nodes().len()), (cloud.len() as u64, 2), "the first fifth is empty");
+    assert_eq!(Some(store.summary().bounds), cloud.bounds());
+    let pieces: Vec<_> = (0..2).map(|node| store.read(node).unwrap()).collect();
+    for (piece, node) in pieces.iter().zip(store.nodes()) {
+        assert_eq!((piece.cloud.bounds(), piece.cloud.len() as u64), (Some(node.bounds), node.points));
+    }
+    assert!(pieces.iter().flat_map(|piece| &piece.places).copied().eq(0..cloud.len() as u64));
+    let mut whole = store.summary().like.clone();
+    pieces.into_iter().for_each(|piece| whole.append(piece.cloud));
+    assert_eq!(whole, cloud);
+    assert_eq!(announced(&path, &Hints::default()).unwrap(), Some((u64::from(side * side), None)));
+}
+
+/// The tapestry of Tanaka et al. 2016, Section 4.5: more points than memory may hold at once.
+#[test]
+fn the_size_of_the_largest_published_picture_is_announced_and_not_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = std::fs::read(four(&folder, "good.png")).unwrap();
+    let claim = folder.path().join("tapestry.png");
+    std::fs::write(&claim, claiming(&good, [39_348, 8_857])).unwrap();
+    assert_eq!(announced(&claim, &Hints::default()).unwrap(), Some((39_348 * 8_857, None)));
+    assert_refused(&claim, None, &["39348 × 8857 pixels of 1394020944 bytes don't fit in a file of"]);
 }
 
 #[test]
