@@ -132,8 +132,7 @@ fn no_command_that_makes_pictures_ends_in_an_abort_where_memory_is_short() {
     }
 }
 
-/// Runs the program for 4096² pixels within so much memory, and returns what it says: its end is a good one, or an error
-/// that it tells.
+/// Runs the program for 4096² pixels within so much memory, and returns what it says: it succeeds, or tells an error.
 #[cfg(target_os = "linux")]
 fn within(folder: &tempfile::TempDir, limit_kib: u32, args: &str) -> String {
     let program = assert_cmd::cargo::cargo_bin("pellucid");

@@ -381,7 +381,8 @@ fn crc(bytes: &[u8]) -> u32 {
 fn pieces_of_a_picture_are_the_cloud_of_the_whole() {
     let folder = tempfile::tempdir().unwrap();
     let side = 1000;
-    let pixel = |i: u32| [(i % 251) as u8, (i % 7) as u8, 40, if i < 200 * side || i % 5 == 0 { 0 } else { 255 }];
+    let pixel =
+        |i: u32| [(i % 251) as u8, (i % 7) as u8, 40, if i < 200 * side || i.is_multiple_of(5) { 0 } else { 255 }];
     let pixels: Vec<u8> = (0..side * side).flat_map(pixel).collect();
     let path = write(&folder, "photo.png", [side; 2], ExtendedColorType::Rgba8, &pixels);
     let heights: Vec<u8> = (0..64 * 64).map(|i| (37 * (i / 64) + 11 * i) as u8).collect();
