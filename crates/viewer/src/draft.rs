@@ -118,7 +118,7 @@ fn apart(a: Cost, b: Cost) -> bool {
 
 /// The key of a method whose image only gets better with its number: samples, ensembles, layers; and that number.
 fn refined(method: &Method) -> Option<(&'static str, u32)> {
-    // Fewer layers don't show the one that is shown alone.
+    // The number of layers has no effect where one is shown alone.
     if matches!(method, Method::PeelLayers(PeelLayers { only: Some(_), .. })) {
         return None;
     }

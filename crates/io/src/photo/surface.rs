@@ -21,7 +21,7 @@ pub struct Surface {
 
 /// Values of a height map, from which heights are interpolated as they are asked for.
 struct HeightMap {
-    /// In [0, 1], row by row from the top.
+    /// Values in [0, 1], row by row from the top.
     values: Vec<f32>,
     size: [u32; 2],
     /// Height of 1 over 0, world units.

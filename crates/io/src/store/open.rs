@@ -11,8 +11,8 @@ use crate::{Error, Format, Hints, InputFile, NAMES_WITHOUT_EFFECT, load_with, sp
 use pellucid_core::progress::Progress;
 
 /// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder
-/// (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files, pictures. All other files are loaded as a whole, which
-/// `progress` follows.
+/// (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files, pictures. All other files are loaded as a whole,
+/// which `progress` follows.
 ///
 /// Opening takes as long as each says: [`Octree`], [`Ept`], [`Copc`], [`LasPieces`], [`PlyPieces`].
 ///

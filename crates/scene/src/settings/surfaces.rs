@@ -1,6 +1,5 @@
 //! Surfaces of points that are closed in the image.
 
-use crate::error::Error;
 use crate::schema::{Range, Slider, ValueKind, settings, value};
 use crate::setting::Setting;
 use crate::table::Table;
@@ -75,29 +74,14 @@ settings! {
         filters: ImageSpace = ImageSpace { cull: false, ..ImageSpace::default() };
         /// Largest number of nearest layers that are peeled and blended.
         layers: u32 = 4, in 1..=MAX_POINT_LAYERS, slider Slider::Count(1, 32), refines true;
-        /// Number of the one layer that is shown, counted from the nearest; at most `layers`.
+        /// Number of the one layer that is shown, counted from the nearest; `layers` then has no effect.
         only: Option<u32> = None, in 1..=MAX_POINT_LAYERS, without "all layers", start 1.0, slider Slider::Count(1, 32);
     }
-    check agree;
 }
 
 impl PeelLayers {
     /// Returns the number of layers that have to be peeled: those behind the one that is shown are not needed.
     pub fn peeled(&self) -> u32 {
         self.only.unwrap_or(self.layers)
-    }
-}
-
-fn agree(settings: &PeelLayers, table: &Table<'_>) -> Result<(), Error> {
-    let PeelLayers { layers, only, .. } = *settings;
-    match only.filter(|only| *only > layers) {
-        None => Ok(()),
-        Some(only) => {
-            let problem = format!(
-                "`method.only` names layer {only}, but `method.layers` peels {layers}: name one of these, or raise \
-                 `layers`"
-            );
-            Err(table.conflict("only", problem))
-        }
     }
 }
