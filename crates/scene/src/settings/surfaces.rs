@@ -2,7 +2,6 @@
 
 use crate::schema::{Range, Slider, ValueKind, settings, value};
 use crate::setting::Setting;
-use crate::table::Table;
 use crate::tree;
 
 /// Iterations of an image filter at most.
