@@ -49,12 +49,13 @@ step cargo doc
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace "${features[@]}" --no-deps
 optional typos "cargo install --locked typos-cli" typos
 optional cargo-deny "cargo install --locked cargo-deny" cargo deny --locked check
-optional ruff "pip install ruff" ruff check tools/peers tools/pictures
-optional ruff "pip install ruff" ruff format --check tools/peers tools/pictures
-optional python3 "the scripts in tools/peers are in Python" python3 -m unittest discover tools/peers
-optional python3 "the scripts in tools/pictures are in Python" python3 -m unittest discover tools/pictures
+optional ruff "pip install ruff" ruff check tools/papers tools/peers tools/pictures tools/witnesses
+optional ruff "pip install ruff" ruff format --check tools/papers tools/peers tools/pictures tools/witnesses
+for folder in papers peers pictures witnesses; do
+    optional python3 "the scripts in tools/$folder are in Python" python3 -m unittest discover "tools/$folder"
+done
 if command -v python3 >/dev/null && ! python3 -c 'import numpy' 2>/dev/null; then
-    missing numpy "pip install numpy; tools/peers/test_exact.py needs it"
+    missing numpy "pip install numpy; the tests of tools/peers and tools/witnesses need it"
 fi
 if [[ ${1:-} != --lints ]]; then
     step tools/test.sh

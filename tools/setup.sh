@@ -138,7 +138,7 @@ find_missing() {
         names+=("weston, a Wayland compositor for a test of the window") packages+=(weston)
     fi
     if $for_tests && [[ ${CI:-} == true ]] && ! command -v python3 >/dev/null; then
-        names+=("python3, for the tests of tools/peers and tools/pictures") packages+=(python3)
+        names+=("python3, for the tests of the scripts in tools") packages+=(python3)
     fi
     # Debian's python3 makes no environments by itself.
     if $for_tests && [[ ${CI:-} == true ]] && ! has_openexr && ! python3 -c "import ensurepip" 2>/dev/null; then
