@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::CommandFactory;
-use pellucid_scene::{Overrides, Scene};
+use pellucid_scene::{Overrides, Scene, method_keys};
 
 use super::pages::{Block, blocks, blocks_of};
 use crate::commands::{Cli, command_of_ranks};
@@ -82,6 +82,7 @@ fn parse_all(blocks: &[Block], program: &str, parser: &clap::Command) -> (usize,
                 }
             };
             for command in found {
+                complaints.extend(unused_keys(&command).map(|problem| format!("{place}: {problem}")));
                 let given = std::iter::once(program.to_owned()).chain(command).map(OsString::from);
                 match parser.clone().try_get_matches_from(given) {
                     Ok(_) => taken += 1,
@@ -93,6 +94,19 @@ fn parse_all(blocks: &[Block], program: &str, parser: &clap::Command) -> (usize,
         }
     }
     (taken, complaints)
+}
+
+/// Names a key of `--set method.KEY` that the method of `--method` lacks: the program would warn and change nothing.
+/// Without `--method` it is auto, unless a scene file or a preset may name another.
+fn unused_keys(command: &[String]) -> Option<String> {
+    let values =
+        |name: &'static str| command.windows(2).filter(move |pair| pair[0] == name).map(|pair| pair[1].as_str());
+    let has_scene = command.iter().any(|word| word.ends_with(".toml")) || values("--preset").next().is_some();
+    let method = values("--method").last().or_else(|| (!has_scene).then_some("auto"))?;
+    let known = method_keys(method);
+    let mut set = values("--set").filter_map(|set| set.strip_prefix("method.")?.split_once('='));
+    let (key, _) = set.find(|(key, _)| *key != "name" && !known.contains(key))?;
+    Some(format!("{method} has no key {key}"))
 }
 
 fn assert_all_parse(program: &str, parser: &clap::Command, at_least: usize) {
@@ -126,6 +140,25 @@ fn wrong_commands_are_found_with_their_places() {
     assert_eq!(complaints.len(), parts.len(), "{complaints:?}");
     for ((line, part), complaint) in parts.iter().zip(&complaints) {
         assert!(complaint.starts_with(&format!("page.md:{line}: ")) && complaint.contains(part), "{complaint}");
+    }
+}
+
+#[test]
+fn a_key_that_the_method_of_a_line_lacks_is_found() {
+    let unused = |line: &str| unused_keys(&commands(line, "pellucid").unwrap()[0]);
+    for line in [
+        "pellucid render a.ply --method peel-layers --set method.only=3",
+        "pellucid render a.ply --set method.shape=oriented --set method.name=sorted",
+        "pellucid render a.toml --set method.only=3",
+        "pellucid render a.ply --method circles --set cloud.0.opacity=0.5",
+    ] {
+        assert_eq!(unused(line), None, "{line}");
+    }
+    for (line, expected) in [
+        ("pellucid render a.toml --method circles --set method.only=3", "circles has no key only"),
+        ("pellucid render a.ply --set method.size=2 --set method.only=3", "auto has no key size"),
+    ] {
+        assert_eq!(unused(line).as_deref(), Some(expected), "{line}");
     }
 }
 
