@@ -14,16 +14,25 @@ def figures(row: Row, measured: dict[str, dict[str, str]]) -> str:
 
 def cells(row: Row, measured: dict[str, dict[str, str]]) -> str:
     """A line of the table."""
-    commands = "<br>".join(f"`{command}`" for command in row.commands)
-    columns = [row.item, row.theirs, figures(row, measured), VERDICTS[row.verdict], commands]
-    return "| " + " | ".join(column.replace("\n", " ").strip() for column in columns) + " |"
+    columns = [row.item, row.theirs, figures(row, measured), VERDICTS[row.verdict]]
+    return "| " + " | ".join(columns) + " |"
+
+
+def block(rows: list[Row]) -> str:
+    """The commands of a table, each row's below its item; those of rows with the same commands stand once."""
+    items: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        if row.commands:
+            items.setdefault(row.commands, []).append(row.item)
+    parts = ["\n".join([f"# {'; '.join(names)}", *commands]) for commands, names in items.items()]
+    return "```sh\n" + "\n\n".join(parts) + "\n```"
 
 
 def page(catalog: Catalog, measured: dict[str, dict[str, str]]) -> str:
     """The whole page."""
     parts = [catalog.head.strip()]
     for name, (title, deviations) in catalog.papers.items():
-        lines = [cells(row, measured) for row in catalog.rows if row.paper == name]
-        table = "\n".join(["| item | the paper | pellucid | | command |", "|---|---|---|---|---|", *lines])
-        parts += [f"## {title}", table, deviations.strip()]
+        rows = [row for row in catalog.rows if row.paper == name]
+        lines = ["| item | the paper | pellucid | |", "|---|---|---|---|", *(cells(row, measured) for row in rows)]
+        parts += [f"## {title}", "\n".join(lines), block(rows), deviations.strip()]
     return "\n\n".join(parts) + "\n"

@@ -13,7 +13,6 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
 from pathlib import Path
 
 from catalog import DOCS, MEASURED, ROOT, CatalogError, Row, load, load_measured
@@ -40,9 +39,14 @@ def execute(command: str, program: Path, folder: Path) -> str:
     return done.stdout + done.stderr
 
 
-def run_row(row: Row, commands: Iterable[str], program: Path, folder: Path) -> dict[str, str]:
-    """The figures that a row's commands print, by their names. A pattern that finds nothing is an error."""
-    said = "\n".join(execute(command, program, folder) for command in commands)
+def run_commands(commands: tuple[str, ...], program: Path) -> str:
+    """Runs commands one after the other in an empty folder and returns what they printed."""
+    with tempfile.TemporaryDirectory() as folder:
+        return "\n".join(execute(command, program, Path(folder)) for command in commands)
+
+
+def figures_of(row: Row, said: str) -> dict[str, str]:
+    """A row's figures by their names, from what its commands printed. A pattern that finds nothing is an error."""
     found = {}
     for name, pattern in row.find:
         match = re.search(pattern, said, re.MULTILINE)
@@ -73,10 +77,13 @@ def run(wanted: list[str]) -> None:
     catalog = load()
     program = find_program()
     measured = load_measured()
+    # Rows with the same commands share one run.
+    said: dict[tuple[str, ...], str] = {}
     for row in select(catalog.rows, wanted):
         print(f"== {row.name}", flush=True)
-        with tempfile.TemporaryDirectory() as folder:
-            measured[row.name] = run_row(row, row.commands, program, Path(folder))
+        if row.commands not in said:
+            said[row.commands] = run_commands(row.commands, program)
+        measured[row.name] = figures_of(row, said[row.commands])
         in_order = {r.name: measured[r.name] for r in catalog.rows if measured.get(r.name)}
         replace(MEASURED, json.dumps(in_order, indent=1, ensure_ascii=False) + "\n")
 

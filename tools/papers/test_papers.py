@@ -1,13 +1,12 @@
 """docs/papers.md is what its data say, without running anything: `python3 -m unittest discover tools/papers`."""
 
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
 from catalog import DOCS, CatalogError, load, load_measured, parse
 from page import page
-from papers import run_row, select
+from papers import figures_of, run_commands, select
 
 HEAD = "head = 'Head'\n[[paper]]\nname = 'p'\ntitle = 'Paper'\ndeviations = 'Text.'\n"
 ROW = "[[row]]\nname = 'r'\npaper = 'p'\nitem = 'Fig. 1'\ntheirs = 'falls'\nours = '{x} falls'\nverdict = 'yes'\n"
@@ -44,20 +43,19 @@ class Parts(unittest.TestCase):
     def test_page_shows_figures_verdict_and_command(self):
         catalog = parse(HEAD + ROW + RUN)
         text = page(catalog, {"r": {"x": "0.5"}})
-        self.assertIn("| Fig. 1 | falls | 0.5 falls | agrees | `pellucid scene a --set points=9` |", text)
+        self.assertIn("| Fig. 1 | falls | 0.5 falls | agrees |", text)
+        self.assertIn("```sh\n# Fig. 1\npellucid scene a --set points=9\n```", text)
         with self.assertRaisesRegex(CatalogError, "was not run: x"):
             page(catalog, {})
 
     def test_a_failed_command_and_a_missing_figure_are_errors(self):
         row = parse(HEAD + ROW + RUN).rows[0]
-        with tempfile.TemporaryDirectory() as folder:
-            program = Path(sys.executable)
-            found = run_row(row, ["pellucid -c 'print(\"x 3\")'"], program, Path(folder))
-            self.assertEqual(found, {"x": "3"})
-            with self.assertRaisesRegex(CatalogError, "nothing printed is like"):
-                run_row(row, ["pellucid -c 'print(3)'"], program, Path(folder))
-            with self.assertRaisesRegex(CatalogError, "status 2"):
-                run_row(row, ["pellucid -c 'exit(2)'"], program, Path(folder))
+        program = Path(sys.executable)
+        self.assertEqual(figures_of(row, run_commands(("pellucid -c 'print(\"x 3\")'",), program)), {"x": "3"})
+        with self.assertRaisesRegex(CatalogError, "nothing printed is like"):
+            figures_of(row, "3")
+        with self.assertRaisesRegex(CatalogError, "status 2"):
+            run_commands(("pellucid -c 'exit(2)'",), program)
 
     def test_rows_are_chosen_by_name(self):
         rows = parse(HEAD + ROW + RUN).rows

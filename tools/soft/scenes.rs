@@ -9,17 +9,17 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::Frame;
 use pellucid_scene::{self as scene, Method, OneLayer, Overrides, Scene, Soft, procedural};
 
-/// Name, keys of the scene file.
-type Builtin = (&'static str, &'static [(&'static str, &'static str)]);
+/// Name, points, field of all clouds.
+type Builtin = (&'static str, f64, &'static str);
 
 const BUILTINS: [Builtin; 3] = [
-    ("garden", &[("cloud.*.field", "uncertainty"), SIZE]),
-    ("tori", &[("cloud.*.field", "distance-to-axis"), SIZE]),
-    ("volume", &[("cloud.*.field", "distance-to-axis"), SIZE]),
+    ("garden", 500_000.0, "uncertainty"),
+    ("tori", 600_000.0, "distance-to-axis"),
+    ("volume", 200_000.0, "distance-to-axis"),
 ];
 
-/// Pixels that a CPU driver gets through in minutes, path and all.
-const SIZE: (&str, &str) = ("image.size", "[640, 480]");
+/// Sides of the images in pixels, which a CPU driver gets through in minutes, path and all.
+const SIZE: [f64; 2] = [640.0, 480.0];
 
 /// A scene with the settings of its soft points.
 pub struct SoftScene {
@@ -55,14 +55,17 @@ impl SoftScene {
     }
 }
 
-/// The built-in scenes, then others.
-pub fn all(inputs: &[PathBuf]) -> impl Iterator<Item = Result<SoftScene>> {
-    BUILTINS.iter().map(builtin).chain(inputs.iter().map(|path| from_path(path)))
+/// The built-in scenes at a scale, then others.
+pub fn all(inputs: &[PathBuf], scale: f64) -> impl Iterator<Item = Result<SoftScene>> {
+    BUILTINS.iter().map(move |given| builtin(given, scale)).chain(inputs.iter().map(|path| from_path(path)))
 }
 
-fn builtin((name, keys): &Builtin) -> Result<SoftScene> {
-    let overrides = overrides(keys)?;
-    let generated = procedural::build(name, &[], 0).map_err(scene::Error::from)?;
+fn builtin((name, points, field): &Builtin, scale: f64) -> Result<SoftScene> {
+    let [width, height] = SIZE.map(|side| (side * scale).round());
+    let size = format!("[{width}, {height}]");
+    let overrides = overrides(&[("cloud.*.field", *field), ("image.size", &size)])?;
+    let parameters = [("points".to_owned(), (points * scale).round())];
+    let generated = procedural::build(name, &parameters, 0).map_err(scene::Error::from)?;
     let scene = Scene::from_toml_with(&generated.scene_toml, name.as_ref(), &overrides)?;
     let clouds = scene::take_generated(&scene, &generated)?;
     SoftScene::new((*name).to_owned(), &scene, clouds)
@@ -82,8 +85,8 @@ fn from_path(path: &Path) -> Result<SoftScene> {
 /// Overrides that choose a soft method, so that fields are found.
 fn overrides(keys: &[(&str, &str)]) -> Result<Overrides> {
     let mut overrides = Overrides::default();
-    overrides.set("bench", "method.name", "soft-express")?;
-    keys.iter().try_for_each(|(key, value)| overrides.set("bench", key, value))?;
+    overrides.set("soft-experiments", "method.name", "soft-express")?;
+    keys.iter().try_for_each(|(key, value)| overrides.set("soft-experiments", key, value))?;
     Ok(overrides)
 }
 

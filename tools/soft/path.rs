@@ -10,6 +10,7 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_gpu::Device;
 use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series};
+use pellucid_lab::report::stress::Spread;
 use pellucid_scene::{BlendedSplats, Method};
 
 use super::scenes::SoftScene;
@@ -49,13 +50,16 @@ pub fn measure(device: &Device, subject: &SoftScene, count: usize, folder: &Path
         }
     }
     let names = all.map(|contender| contender.name);
-    let median = |index: usize| {
-        pellucid_lab::report::stress::Spread::from_values(places.iter().map(|place| place[index].0).collect()).median
-    };
+    let median = |index: usize| Spread::from_values(places.iter().map(|place| place[index].0).collect()).median;
     println!(
         "path of {count} frames, median ms: {}",
         (0..4).map(|i| format!("{} {:.1}", names[i], median(i))).collect::<Vec<_>>().join(", ")
     );
+    let [.., express] = names;
+    for (index, name) in names.iter().enumerate().take(3).skip(1) {
+        let over = Spread::from_values(places.iter().map(|place| place[index].0 / place[3].0).collect());
+        println!("{name} / {express}: median {:.1}, at most {:.1}", over.median, over.max);
+    }
     super::write(folder, "path.csv", &csv(&names, &places))?;
     let time = figure(&names, &places, "device time of a frame in ms", |place| place.0);
     let fragments = figure(&names, &places, "fragments", |place| place.1 as f64);

@@ -2,9 +2,9 @@
 //! costs.
 //!
 //! ```sh
-//! cargo bench --bench soft                                        # the built-in scenes, into target/soft
-//! cargo bench --bench soft -- -o report vineyard.laz scene.toml   # your clouds and scenes after these
-//! cargo bench --bench soft -- --frames 20 --path 100              # frames behind a median, frames of the path
+//! cargo run --release --example soft-experiments                                        # built-in scenes, into target/soft
+//! cargo run --release --example soft-experiments -- -o report vineyard.laz scene.toml   # your clouds after these
+//! cargo run --release --example soft-experiments -- --frames 20 --path 100              # frames behind a median, of the path
 //! ```
 //!
 //! It writes Markdown or SVG for people and CSV for programs:
@@ -20,12 +20,12 @@
 //! and run it on a machine that does nothing else. A scene file's soft method keeps its settings; where none is given,
 //! the median of the field is the threshold, so that half of the points are soft.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod path;
 mod scenes;
 mod second;
 mod table;
+#[cfg(test)]
+mod tests;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -48,15 +48,25 @@ struct Args {
     /// Frames of the path.
     #[arg(long, default_value_t = 48)]
     path: usize,
+    /// Points of the built-in scenes over their number, and sides of the images over 640 × 480 pixels, from 0.02 to 1.
+    #[arg(long, default_value_t = 1.0, value_parser = scale)]
+    scale: f64,
     /// Scene files and clouds that are measured after the built-in scenes.
     inputs: Vec<PathBuf>,
-    /// An argument that cargo passes.
-    #[arg(long, hide = true)]
-    bench: bool,
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x| (0.02..=1.0).contains(x)).ok_or_else(|| "expected a number from 0.02 to 1".into())
 }
 
 fn main() -> ExitCode {
-    common::measure(|| run(&Args::parse()))
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_status())
+        }
+    }
 }
 
 fn run(args: &Args) -> Result<()> {
@@ -66,7 +76,7 @@ fn run(args: &Args) -> Result<()> {
     let failed = |source| pellucid_io::output::Error::Write { path: args.output.clone(), source };
     std::fs::create_dir_all(&args.output).map_err(failed)?;
     let mut rows = Vec::new();
-    for (number, scene) in scenes::all(&args.inputs).enumerate() {
+    for (number, scene) in scenes::all(&args.inputs, args.scale).enumerate() {
         let subject = scene?;
         rows.push(table::measure(&device, &subject, args.frames)?);
         table::write(&args.output, &machine, &rows)?;
