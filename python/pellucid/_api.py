@@ -224,7 +224,7 @@ def stress(
     device: str | int | None = None,
     progress: Progress = None,
 ) -> Stress:
-    """Measure time, memory and error of the exact transparent methods as the number of layers grows.
+    """Measure time, memory and error of the methods that blend discs or soft spheres as the number of layers grows.
 
     Parameters
     ----------

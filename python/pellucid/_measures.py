@@ -235,15 +235,23 @@ class StressCell:
     fragments: int
     """Number of fragments of all pixels."""
     method: str
-    """Name of the method."""
+    """Name of the method, and behind it settings that are not its defaults."""
     gpu_ms: float
     """Median time on the device, in milliseconds."""
     peak_device_bytes: int
     """Largest number of device bytes in use at any time, points and picture included."""
     max_error: float
-    """Largest error of any channel against the reference in float64."""
+    """Largest error of any channel against the exact picture in float64."""
     rmse: float
-    """Root mean square error against the reference in float64."""
+    """Root mean square error against the exact picture in float64."""
+    kind: str
+    """Kind of method: "exact", "approximate" or "stochastic"."""
+    bound: float | None
+    """Largest error that the roundings of an exact method explain; None for other methods."""
+    standard_errors: float | None
+    """RMSE over the standard errors that a stochastic method states: about 1 if both are right; None for other methods."""
+    holds: bool | None
+    """True if the error is as expected; None for an approximation, of which nothing is expected."""
 
 
 @dataclass(frozen=True)
@@ -275,6 +283,10 @@ class Stress(_Shown):
                 of["peak_device_bytes"],
                 error["max"],
                 error["rmse"],
+                of["kind"],
+                of["bound"],
+                error["standard_errors"],
+                of["holds"],
             )
 
         device = json["device"]

@@ -111,11 +111,13 @@ def test_stress_measures_what_it_was_asked_for(renderer):
     found = pellucid.stress(sides=[16], layers=[1, 4], methods=["abuffer", "sorted"], frames=1)
     measured = {(cell.workload, cell.layers, cell.method) for cell in found.cells}
     left = {(workload, layers, method) for workload, _, layers, method, _ in found.skipped}
-    assert measured | left == {(w, n, m) for w in ("stack", "mosaic") for n in (1, 4) for m in ("abuffer", "sorted")}
+    names = ("abuffer", "abuffer long_lists=in-place", "sorted")
+    assert measured | left == {(w, n, m) for w in ("stack", "mosaic") for n in (1, 4) for m in names}
     assert all(cell.max_error < 1e-5 for cell in found.cells)
     assert len(found.to_pandas()) == len(found.cells)
-    with pytest.raises(ValueError, match=r'methods: expected some of .*, found "weighted"'):
-        pellucid.stress(methods=["weighted"])
+    assert {(cell.kind, cell.holds, cell.standard_errors) for cell in found.cells} == {("exact", True, None)}
+    with pytest.raises(ValueError, match=r'methods: expected some of .*, found "circles"'):
+        pellucid.stress(methods=["circles"])
     with pytest.raises(ValueError, match="sides: expected"):
         pellucid.stress(sides=[0])
 
@@ -167,7 +169,18 @@ def test_wrong_arguments_of_measurements_are_named(renderer, call, kind, message
 
 def test_one_method_may_come_without_a_list(renderer):
     found = pellucid.stress(sides=[16], layers=[1], methods="abuffer", frames=1, max_seconds=5, max_fragments=np.int64(10**9))
-    assert {cell.method for cell in found.cells} == {"abuffer"}
+    assert {cell.method for cell in found.cells} == {"abuffer", "abuffer long_lists=in-place"}
+
+
+def test_stress_measures_approximations_noise_and_soft_spheres(renderer):
+    found = pellucid.stress(sides=[16], layers=[4], methods=["stochastic", "weighted", "soft-base", "soft-express"], frames=1)
+    kinds = {cell.method: cell.kind for cell in found.cells}
+    expected = {"stochastic": "stochastic", "weighted": "approximate", "soft-base": "exact", "soft-express": "approximate"}
+    assert kinds == expected or {method for *_, method, _ in found.skipped} >= expected.keys() - kinds.keys()
+    for cell in found.cells:
+        assert cell.holds is (None if cell.kind == "approximate" else True)
+        assert (cell.bound is None) == (cell.kind != "exact")
+        assert (cell.standard_errors is None) == (cell.kind != "stochastic")
 
 
 def test_pictures_of_any_layout_are_compared(renderer):

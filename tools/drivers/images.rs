@@ -39,7 +39,7 @@ pub fn render(folder: &Path, only: Option<&str>) -> Result<(), String> {
     let device = Device::open(&DeviceOptions::from_env()).map_err(|e| e.to_string())?;
     let mut renderer = Renderer::new(&device).map_err(|e| e.to_string())?;
     let mut outcomes = Vec::new();
-    let subjects = check::subjects();
+    let subjects = check::compared();
     for (number, subject) in subjects.iter().filter(|subject| is_asked(subject, only)).enumerate() {
         let start = std::time::Instant::now();
         let outcome = match subject.render(&mut renderer) {

@@ -7,7 +7,8 @@
 //!
 //! `NAME=MANIFEST` is a driver's manifest (JSON), behind a comma the folder of libraries that it needs, if any. The
 //! loader picks drivers once per process: each one renders in a process of its own, with `VK_DRIVER_FILES` and
-//! `LD_LIBRARY_PATH` set. The images of the driver that the environment gives are what the others are compared with;
+//! `LD_LIBRARY_PATH` set. If the folder has a dynamic linker, `ld-linux-x86-64.so.2`, that one starts the process: a
+//! driver of a newer system needs that system's libc, and libc and linker belong together. The images of the driver that the environment gives are what the others are compared with;
 //! `--first NAME=MANIFEST` says another.
 //!
 //! The exit status is 1 if any image is beyond its bound, 2 if a driver could not render at all. What a driver lacks is
@@ -87,7 +88,7 @@ fn compare(args: &Args) -> Result<bool, String> {
         eprintln!("{} …", driver.name);
         found.push(rendered_by(driver, &folder.path().join(number.to_string()), args.only.as_deref())?);
     }
-    let subjects = check::subjects();
+    let subjects = check::compared();
     let subjects =
         subjects.iter().filter(|subject| images::is_asked(subject, args.only.as_deref())).collect::<Vec<_>>();
     let lines = table::lines(&subjects, &found);
@@ -96,12 +97,30 @@ fn compare(args: &Args) -> Result<bool, String> {
     Ok(lines.iter().all(|line| !line.verdict.is_wrong()))
 }
 
+/// File name of the dynamic linker.
+const LINKER: &str = "ld-linux-x86-64.so.2";
+
+/// The dynamic linker of a folder of libraries, if it has one.
+fn linker_in(libraries: &Path) -> Option<PathBuf> {
+    Some(libraries.join(LINKER)).filter(|path| path.is_file())
+}
+
+/// A program with these libraries' own linker, if they have one.
+fn started(program: &Path, libraries: Option<&Path>) -> Command {
+    let Some((libraries, linker)) = libraries.and_then(|libraries| Some((libraries, linker_in(libraries)?))) else {
+        return Command::new(program);
+    };
+    let mut command = Command::new(linker);
+    command.arg("--library-path").arg(libraries).arg(program);
+    command
+}
+
 /// Has a driver render all subjects, in a process of its own.
 fn rendered_by(driver: &Driver, folder: &Path, only: Option<&str>) -> Result<DriverImages, String> {
     let failed = |what: String| format!("{}: {what}", driver.name);
     std::fs::create_dir_all(folder).map_err(|e| failed(format!("{}: {e}", folder.display())))?;
     let program = std::env::current_exe().map_err(|e| failed(format!("this program's path: {e}")))?;
-    let mut command = Command::new(program);
+    let mut command = started(&program, driver.libraries.as_deref());
     command.arg("--render").arg(folder);
     if let Some(only) = only {
         command.args(["--only", only]);
@@ -110,7 +129,7 @@ fn rendered_by(driver: &Driver, folder: &Path, only: Option<&str>) -> Result<Dri
         // The older variable would win in old loaders.
         command.env("VK_DRIVER_FILES", manifest).env_remove("VK_ICD_FILENAMES").env_remove("LD_LIBRARY_PATH");
     }
-    if let Some(libraries) = &driver.libraries {
+    if let Some(libraries) = driver.libraries.as_deref().filter(|libraries| linker_in(libraries).is_none()) {
         command.env("LD_LIBRARY_PATH", libraries);
     }
     let status = command.status().map_err(|e| failed(e.to_string()))?;
@@ -123,6 +142,22 @@ fn rendered_by(driver: &Driver, folder: &Path, only: Option<&str>) -> Result<Dri
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn libraries_with_a_linker_start_the_program_by_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let words = || {
+            let command = started(Path::new("program"), Some(folder.path()));
+            let arguments = command.get_args().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>();
+            (command.get_program().to_string_lossy().into_owned(), arguments)
+        };
+        assert_eq!(words(), ("program".to_owned(), Vec::new()));
+        let linker = folder.path().join(LINKER);
+        std::fs::write(&linker, "").expect("written");
+        let (path, arguments) = words();
+        assert_eq!(path, linker.to_string_lossy());
+        assert_eq!(arguments, ["--library-path", &folder.path().to_string_lossy(), "program"]);
+    }
 
     #[test]
     fn drivers_have_a_name_a_manifest_and_perhaps_libraries() {

@@ -14,15 +14,24 @@ use pellucid_scene::{self as scene, Light, Overrides, Scene, Shading, ShadingMod
 use crate::table::COLUMNS;
 
 pub const TORI: &str = "tori";
-/// Data sets, in the order of the table.
-pub const NAMES: [&str; 4] = ["dragon", TORI, "neghip", "hydrogen"];
+/// Data sets, in the order of the paper's table.
+pub const NAMES: [&str; 6] = ["blade", "buddha", "dragon", TORI, "neghip", "hydrogen"];
 
 /// Points of what is generated, in the paper.
 const TORI_POINTS: f64 = 6e6;
 const NEGHIP_POINTS: f64 = 128e3;
 const HYDROGEN_POINTS: f64 = 535e3;
 
+/// Scanned surfaces: name, files of the data folder, the first that is there, and points in the paper.
+const SCANS: [(&str, &[&str], u32, [[f64; COLUMNS]; 2]); 3] = [
+    ("blade", &["models/turbine_blade_883k.ply", "models/turbine_blade_100k.ply"], 883_000, BLADE),
+    ("buddha", &["models/happy_buddha_543k.ply", "models/happy_vrip.ply"], 543_000, BUDDHA),
+    ("dragon", &["models/stanford_dragon_437k.ply"], 437_000, DRAGON),
+];
+
 /// Frames per second in Table 3, at 512² and at 1024².
+const BLADE: [[f64; COLUMNS]; 2] = [[52.0, 17.6, 8.8, 26.0, 9.0, 5.0], [52.0, 17.5, 8.8, 25.0, 9.0, 5.0]];
+const BUDDHA: [[f64; COLUMNS]; 2] = [[83.0, 28.0, 14.0, 40.0, 14.0, 7.0], [64.0, 22.0, 11.0, 39.0, 14.0, 7.0]];
 const DRAGON: [[f64; COLUMNS]; 2] = [[103.0, 35.0, 18.0, 50.0, 18.0, 9.6], [68.0, 23.0, 12.0, 49.0, 17.0, 9.0]];
 const THREE_TORI: [[f64; COLUMNS]; 2] = [[8.0, 2.7, 1.4, 4.0, 1.3, 0.6], [8.0, 2.7, 1.4, 3.7, 1.1, 0.6]];
 const NEGHIP: [[f64; COLUMNS]; 2] = [[235.0, 83.0, 43.0, 145.0, 62.0, 35.0], [82.0, 27.0, 14.0, 64.0, 35.0, 22.0]];
@@ -38,57 +47,73 @@ pub struct Subject {
     pub paper: [[f64; COLUMNS]; 2],
 }
 
-/// Folder of real data.
-fn data() -> PathBuf {
+/// Folder of real data: `PELLUCID_TEST_DATA`, else `shared/data` beside the repository, as for the tests.
+pub fn data() -> PathBuf {
     let named = std::env::var_os("PELLUCID_TEST_DATA").map(PathBuf::from);
-    named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"))
+    named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"))
 }
 
-/// A data set; `None` if its file is not there.
-pub fn load(name: &'static str, scale: f64, seed: u64) -> Result<Option<Subject>> {
+/// A data set, or why it is left out.
+pub enum Loaded {
+    Subject(Box<Subject>),
+    Missing(String),
+}
+
+impl Loaded {
+    fn missing(name: &str, points: impl std::fmt::Display, files: &[&str]) -> Self {
+        let files = files.join(" or ");
+        Self::Missing(format!("{name} ({points} points in the paper): no file {files} in {}", data().display()))
+    }
+}
+
+/// A data set from a folder. `scale` multiplies the points of generated ones.
+pub fn load(name: &'static str, folder: &Path, scale: f64, seed: u64) -> Result<Loaded> {
     let points = |count: f64| vec![("points".to_owned(), (scale * count).round().max(100.0))];
-    Ok(match name {
-        "dragon" => {
-            let path = data().join("models/stanford_dragon_437k.ply");
-            if !path.is_file() {
-                return Ok(None);
-            }
-            let scene = Scene::from_clouds(&[path], &Overrides::default())?;
-            let clouds = scene::load_clouds(&scene, &Progress::hidden())?;
-            Some(subject(name, &scene, clouds, DRAGON)?)
-        }
+    if let Some((_, files, count, paper)) = SCANS.iter().find(|(scan, ..)| *scan == name) {
+        let Some(path) = files.iter().map(|file| folder.join(file)).find(|path| path.is_file()) else {
+            return Ok(Loaded::missing(name, count, files));
+        };
+        let scene = Scene::from_clouds(&[path], &Overrides::default())?;
+        let clouds = scene::load_clouds(&scene, &Progress::hidden())?;
+        return Ok(Loaded::Subject(Box::new(subject(name, &scene, clouds, *paper)?)));
+    }
+    match name {
         TORI => {
             let made = procedural::build("tori", &points(TORI_POINTS), seed).map_err(scene::Error::from)?;
-            Some(generated(name, &made, THREE_TORI)?)
+            generated(name, &made, THREE_TORI)
         }
         "neghip" => {
             let parameters = [points(NEGHIP_POINTS), vec![("surfaces".to_owned(), 1.0)]].concat();
-            surfaces(name, "neghip_64x64x64_uint8.raw", &parameters, seed, NEGHIP)?
+            let file = "volumes/neghip_64x64x64_uint8.raw";
+            surfaces(name, (folder, file, NEGHIP_POINTS), &parameters, seed, NEGHIP)
         }
-        _ => surfaces(name, "hydrogen_64x64x64_float32.raw", &points(HYDROGEN_POINTS), seed, HYDROGEN)?,
-    })
+        _ => {
+            let file = "volumes/hydrogen_64x64x64_float32.raw";
+            surfaces(name, (folder, file, HYDROGEN_POINTS), &points(HYDROGEN_POINTS), seed, HYDROGEN)
+        }
+    }
 }
 
 fn surfaces(
     name: &'static str,
-    file: &str,
+    (folder, file, points): (&Path, &str, f64),
     parameters: &[(String, f64)],
     seed: u64,
     paper: [[f64; COLUMNS]; 2],
-) -> Result<Option<Subject>> {
-    let path = data().join("volumes").join(file);
+) -> Result<Loaded> {
+    let path = folder.join(file);
     if !path.is_file() {
-        return Ok(None);
+        return Ok(Loaded::missing(name, points, &[file]));
     }
     let volume = io::volume::read(&path, None, None)?;
     let made = iso::build_iso(&volume, &[], parameters, seed).map_err(scene::Error::from)?;
-    generated(name, &made, paper).map(Some)
+    generated(name, &made, paper)
 }
 
-fn generated(name: &'static str, made: &Generated, paper: [[f64; COLUMNS]; 2]) -> Result<Subject> {
+fn generated(name: &'static str, made: &Generated, paper: [[f64; COLUMNS]; 2]) -> Result<Loaded> {
     let scene = Scene::from_toml(&made.scene_toml, Path::new(name))?;
     let clouds = scene::take_generated(&scene, made)?;
-    subject(name, &scene, clouds, paper)
+    Ok(Loaded::Subject(Box::new(subject(name, &scene, clouds, paper)?)))
 }
 
 /// Makes a subject with Phong shading and a light from above that casts shadows, if it is asked for some.

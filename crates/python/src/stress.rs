@@ -1,7 +1,6 @@
 //! Sweep of `pellucid stress`.
 
-use pellucid_lab::report::stress::{self as lab, Report, Settings};
-use pellucid_scene::Method;
+use pellucid_lab::report::stress::{self as lab, Entry, Report, Settings};
 use pyo3::prelude::*;
 
 use crate::devices::Device;
@@ -28,12 +27,10 @@ const MOST: u32 = 16_384;
 
 impl SweepExtent {
     fn settings(&self) -> Result<Settings, Failure> {
-        let all = Method::transparent();
-        let methods = match &self.methods {
-            None => all,
-            Some(names) => names.iter().map(|name| named(&all, name)).collect::<Result<_, _>>()?,
-        };
-        let default = if self.quick { Settings::quick(methods) } else { Settings::full(methods) };
+        let names = self.methods.as_deref().unwrap_or_default();
+        names.iter().try_for_each(|name| known(name))?;
+        let entries = Entry::of_methods(names);
+        let default = if self.quick { Settings::quick(entries) } else { Settings::full(entries) };
         let max_seconds = self.max_seconds.unwrap_or(default.max_seconds);
         if max_seconds.is_nan() || max_seconds <= 0.0 {
             return Err(Failure::Value(format!("max_seconds: expected a number above 0, found {max_seconds}")));
@@ -50,11 +47,12 @@ impl SweepExtent {
     }
 }
 
-fn named(all: &[Method], name: &str) -> Result<Method, Failure> {
-    all.iter().find(|method| method.name() == name).copied().ok_or_else(|| {
-        let names: Vec<_> = all.iter().map(Method::name).collect();
-        Failure::Value(format!("methods: expected some of {}, found {name:?}", names.join(", ")))
-    })
+fn known(name: &str) -> Result<(), Failure> {
+    let names = Entry::methods();
+    if names.contains(&name) {
+        return Ok(());
+    }
+    Err(Failure::Value(format!("methods: expected some of {}, found {name:?}", names.join(", "))))
 }
 
 fn ascending(name: &str, given: &Option<Vec<u32>>, default: Vec<u32>) -> Result<Vec<u32>, Failure> {

@@ -8,8 +8,7 @@ use pellucid_core::image::MAX_SIDE;
 use pellucid_engine::Result;
 use pellucid_io::output::Output;
 use pellucid_lab::report::page::{self, ReportTable};
-use pellucid_lab::report::stress::{self, Cell, Report, Settings, Slope, Sweep};
-use pellucid_scene::Method;
+use pellucid_lab::report::stress::{self, Cell, Entry, Report, Settings, Slope, Sweep};
 
 use super::console::Console;
 use super::options::{DeviceArgs, device, number};
@@ -19,7 +18,14 @@ use super::typed::command;
 const ABOUT: &str = "\
 Scenes: In both built-in scenes every pixel has one fragment per layer. In `stack` a layer is one disc over the whole image, in \
 `mosaic` it is tiled by discs of 3 × 3 pixels. The sweep covers 1 to 4096 layers in factors of 2 on 64², 256² and 1024² pixels. \
-The opacity is 1 − 2^(−1/layers), which keeps every layer visible. Cells beyond a limit are skipped and listed with the reason.
+The opacity is 1 − 2^(−1/layers), which keeps every layer visible. For soft methods the same points are soft spheres of that \
+softness. Cells beyond a limit are skipped and listed with the reason.
+
+Errors: Each method is compared with the exact picture in float64. An exact one must be within its roundings, and a stochastic one \
+within its own standard errors: otherwise a warning says so. The error of an approximation is stated.
+
+Methods of points that form surfaces (peel-layers, spbr, spbr-simplified), one-layer, and opaque methods are not among them: what they \
+draw does not consist of these layers.
 
 Output: report.html (self-contained), stress.csv, stress.json, and the figures as .svg.";
 
@@ -34,8 +40,10 @@ pub struct StressArgs {
     /// 1 to 1024 layers in factors of 4, 64² and 256² pixels, 3 frames, at most 2^20 fragments.
     #[arg(long)]
     quick: bool,
-    /// Measure only this method; repeatable. By default all four.
-    #[arg(long, value_name = "NAME", value_parser = method_names())]
+    /// Measure only these methods, as in abuffer,mlab; repeatable. By default all.
+    ///
+    /// `abuffer` is measured twice, with `long_lists = "merge"` and `"in-place"`.
+    #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',', value_parser = method_names())]
     method: Vec<String>,
     /// Measure only images of this size, as in 512x512, which must be square; repeatable.
     ///
@@ -66,7 +74,7 @@ pub struct StressArgs {
 }
 
 fn method_names() -> PossibleValuesParser {
-    Method::transparent().iter().map(Method::name).collect::<Vec<_>>().into()
+    Entry::methods().into()
 }
 
 /// The side of a square image.
@@ -85,9 +93,8 @@ pub fn seconds() -> impl TypedValueParser<Value = f64> {
 
 impl StressArgs {
     fn settings(&self) -> Settings {
-        let asked = |method: &Method| self.method.is_empty() || self.method.iter().any(|name| name == method.name());
-        let methods = Method::transparent().into_iter().filter(asked).collect();
-        let default = if self.quick { Settings::quick(methods) } else { Settings::full(methods) };
+        let entries = Entry::of_methods(&self.method);
+        let default = if self.quick { Settings::quick(entries) } else { Settings::full(entries) };
         let mut sides = self.size.clone();
         sides.sort_unstable();
         sides.dedup();
@@ -127,10 +134,25 @@ pub fn run(args: StressArgs, console: Console) -> Result<()> {
             ));
         }
     }
+    for cell in sweep.cells.iter().filter(|cell| cell.holds() == Some(false)) {
+        console.warn(format_args!("{}", beyond(cell)));
+    }
     let command = command();
     let report = Report { sweep: &sweep, settings: &settings, device: device.info(), command: &command };
     stress::write(&args.output, &report)?;
     if args.json { console.print_json(&report.json()) } else { console.print(&summary(&sweep, &args.output)) }
+}
+
+/// A cell whose error is not as expected.
+fn beyond(cell: &Cell) -> String {
+    let (scene, side, layers, method) = (cell.workload.name(), cell.side, cell.layers, cell.method);
+    let (max, rmse) = (cell.error.max, cell.error.rmse);
+    let what = match (cell.bound(), cell.error.standard_errors) {
+        (Some(bound), _) => format!("the largest error is {max:.1e}, more than the {bound:.1e} that roundings explain"),
+        (None, Some(times)) => format!("the RMSE is {rmse:.1e}, {times:.1} times the standard error that it states"),
+        (None, None) => format!("the RMSE is {rmse:.1e}, and no standard error is stated"),
+    };
+    format!("{scene}, {side} × {side} pixels, {layers} layers: {method}: {what}")
 }
 
 /// The end of each series, how much was skipped, and where the rest is.
@@ -148,9 +170,11 @@ fn summary(sweep: &Sweep, folder: &Path) -> String {
         .number("Mfragments/s", hundredths, Cell::mfragments_per_s)
         .written("slope", |cell| (f64::NAN, slope(cell).map_or("-".to_owned(), exponent)))
         .number("peak MiB", |mib| format!("{mib:.1}"), |cell| page::mib(cell.peak_device_bytes))
-        .number("largest error", |error| format!("{error:.1e}"), |cell| cell.error.max);
+        .number("largest error", |error| format!("{error:.1e}"), |cell| cell.error.max)
+        .text("expected", stress::expected);
     format!(
-        "{}\n\nEach line: the deepest cell measured, and the slope of time over layers (log-log), - with fewer than three cells.\n\
+        "{}\n\nEach line: the deepest cell measured, the slope of time over layers (log-log), - with fewer than three cells, and the\n\
+         error against the exact picture, with what is expected of exact and stochastic methods.\n\
          {} cells measured, {} skipped; reasons and all figures: {}\n",
         table.terminal(),
         sweep.cells.len(),

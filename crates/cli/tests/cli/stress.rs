@@ -10,12 +10,12 @@ use crate::{assert_refused, done, folder, has_device, inside};
 /// The columns of `stress.csv`.
 const COLUMNS: &str = "scene,side,pixels,layers,fragments,method,points,gpu_ms_min,gpu_ms_median,gpu_ms_max,wall_ms_min,\
     wall_ms_median,wall_ms_max,mfragments_per_s,peak_device_bytes,bytes_per_fragment,fragment_bytes,bands,error_max,\
-    error_rmse,error_pixels,skipped";
+    error_rmse,error_pixels,kind,bound,error_standard_errors,holds,skipped";
 
 /// A quick sweep goes through so many scenes: two kinds, two sizes, six numbers of layers.
 const QUICK: usize = 2 * 2 * 6;
-/// Methods that a sweep compares.
-const METHODS: usize = 4;
+/// Exact methods of discs, whose picture is the same; `abuffer` also with lists sorted in place.
+const EXACT: usize = 5;
 
 fn read(folder: &TempDir, name: &str) -> String {
     fs::read_to_string(inside(folder, name)).unwrap()
@@ -35,7 +35,8 @@ fn assert_cell(cell: &Value) {
     assert_eq!(pixels, number(cell, "side").powi(2));
     assert_eq!(cell["fragments"], cell["layers"].as_u64().unwrap() * cell["pixels"].as_u64().unwrap());
     // Methods without lists count no fragments.
-    let lists = ["abuffer", "linked-list"].contains(&cell["method"].as_str().unwrap());
+    let method = cell["method"].as_str().unwrap();
+    let lists = method == "linked-list" || method.starts_with("abuffer");
     let counted = if lists { &cell["fragments"] } else { &Value::Null };
     assert_eq!(&cell["counted"], counted, "the device finds exactly the layers: {cell}");
     if cell["workload"] == "stack" {
@@ -60,7 +61,10 @@ fn assert_cell(cell: &Value) {
     let bound = 3.0 * (layers + 1.0) * 2f64.powi(-24);
     let error = &cell["error"];
     assert!(number(error, "max") <= bound && number(error, "rmse") <= number(error, "max"), "{cell}");
-    assert_eq!(error["pixels"], 256);
+    assert_eq!((&error["pixels"], &error["standard_errors"]), (&256.into(), &Value::Null));
+    assert_eq!((&cell["kind"], &cell["holds"]), (&"exact".into(), &true.into()));
+    // Two products and two sums for each layer, and for the one run of them.
+    assert_eq!(number(cell, "bound"), 4.0 * (layers + 1.0) * 2f64.powi(-24));
 }
 
 #[test]
@@ -69,7 +73,9 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
         return;
     }
     let folder = folder();
-    let args = ["stress", "--quick", "--max-fragments", "300000", "--frames", "2", "-o", "new/sweep", "--json"];
+    let methods = "--method=abuffer,linked-list,sorted,peel";
+    let args =
+        ["stress", "--quick", methods, "--max-fragments", "300000", "--frames", "2", "-o", "new/sweep", "--json"];
     let printed: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
     let mut files: Vec<_> =
         fs::read_dir(inside(&folder, "new/sweep")).unwrap().map(|e| e.unwrap().file_name()).collect();
@@ -81,9 +87,9 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
 
     cells(&printed).iter().for_each(assert_cell);
     // 64² pixels by 1, 4, 16, 64 layers and 256² by 1, 4.
-    assert_eq!(cells(&printed).len(), METHODS * 2 * (4 + 2));
+    assert_eq!(cells(&printed).len(), EXACT * 2 * (4 + 2));
     let skipped = printed["skipped"].as_array().unwrap();
-    assert_eq!(cells(&printed).len() + skipped.len(), METHODS * QUICK, "every cell is measured or listed as skipped");
+    assert_eq!(cells(&printed).len() + skipped.len(), EXACT * QUICK, "every cell is measured or listed as skipped");
     for cell in skipped {
         let fragments = number(cell, "side").powi(2) * number(cell, "layers");
         assert!(fragments > 300_000.0, "{cell}");
@@ -91,9 +97,7 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
     }
     // Series of four cells have a slope, those of two have none.
     let slopes = printed["slopes"].as_array().unwrap();
-    assert!(
-        slopes.len() == METHODS * 2 && slopes.iter().all(|slope| slope["side"] == 64 && slope["exponent"].is_f64())
-    );
+    assert!(slopes.len() == EXACT * 2 && slopes.iter().all(|slope| slope["side"] == 64 && slope["exponent"].is_f64()));
 
     assert_csv(&read(&folder, "new/sweep/stress.csv"), &printed);
     let page = read(&folder, "new/sweep/report.html");
@@ -121,10 +125,10 @@ fn assert_csv(text: &str, report: &Value) {
         // The parser of JSON may be off by the last bit.
         let is = |column: usize, value: f64| (parsed(column) - value).abs() <= 1e-12 * value;
         assert!(is(8, number(&cell["gpu_ms"], "median")) && is(18, number(&cell["error"], "max")), "{row:?}, {cell}");
-        assert_eq!(&row[21], "");
+        assert_eq!(&row[25], "");
     }
     for (row, cell) in rows[cells(report).len()..].iter().zip(skipped) {
-        assert_eq!((&row[8], &row[21]), ("", cell["reason"].as_str().unwrap()));
+        assert_eq!((&row[8], &row[25]), ("", cell["reason"].as_str().unwrap()));
     }
 }
 
@@ -135,7 +139,7 @@ fn a_method_is_cut_off_where_its_own_times_predict_too_long_a_frame() {
     }
     let folder = folder();
     // Nothing is known before the first cell of each series; after it everything takes too long.
-    let args = ["stress", "--quick", "--method", "abuffer", "--frames", "1", "--max-seconds", "1e-9"];
+    let args = ["stress", "--quick", "--method", "linked-list", "--frames", "1", "--max-seconds", "1e-9"];
     let text = done(&folder, &args);
     assert!(text.contains("4 cells measured, 20 skipped") && text.contains("pellucid-stress/report.html"), "{text}");
     let report: Value = serde_json::from_str(&read(&folder, "pellucid-stress/stress.json")).unwrap();
@@ -150,7 +154,8 @@ fn wrong_requests_are_refused_before_any_work() {
     let folder = folder();
     fs::write(inside(&folder, "file"), "").unwrap();
     assert_refused(&folder, &["stress", "-o", "file"], 1, &["file"]);
-    // Its images are others.
+    // What they draw has no such layers.
+    assert_refused(&folder, &["stress", "--method", "abuffer,spbr"], 2, &["spbr", "abuffer"]);
     assert_refused(&folder, &["stress", "--method", "circles"], 2, &["circles", "abuffer"]);
     assert_refused(&folder, &["stress", "--max-seconds", "0"], 2, &["seconds above 0"]);
     assert_refused(&folder, &["stress", "--frames", "0"], 2, &["--frames"]);

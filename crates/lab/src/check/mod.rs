@@ -41,7 +41,7 @@ pub use document::document;
 pub use released::{Regression, regression, released, released_table};
 pub use same::{Difference, difference};
 pub use stage::CaseRenderer;
-pub use subjects::{Follows, MethodScene, subjects};
+pub use subjects::{Follows, MethodScene, compared, subjects};
 pub use table::{Group, groups, markdown};
 pub use verdict::{Counts, Finding, Lack, Naive, Verdict};
 

@@ -1,10 +1,11 @@
 //! A small scene for every method, and for the settings that use other paths of the engine. Their images must have the
 //! same bytes after any earlier frames, for any order of the input and any budget (docs/determinism.md).
 //!
-//! One list serves the tests and the comparison of drivers. Positions and colors follow from counters and need only
+//! One list serves the tests and, with larger images, the comparison of drivers. Positions and colors follow from counters and need only
 //! operations that IEEE 754 defines to the last bit, so that they are the same everywhere.
 
 mod clouds;
+mod compared;
 
 use glam::DVec3;
 use pellucid_core::progress::Progress;
@@ -22,6 +23,8 @@ use pellucid_scene::{
     Order, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr,
     SpbrSimplified, SplatShape, Stochastic, Tail, Wavelet,
 };
+
+pub use compared::compared;
 
 /// A scene for a method.
 #[derive(Debug, Clone)]

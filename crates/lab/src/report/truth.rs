@@ -13,11 +13,16 @@ use pellucid_reference::View;
 use pellucid_reference::abuffer::{Composite, composite, lists_at};
 use pellucid_reference::shading::shade;
 use pellucid_reference::soft::{Behind, Model, Scene};
-use pellucid_scene::{Density, Method, Soft};
+use pellucid_scene::{Density, Method, Soft, SoftMethod};
 use pellucid_session::choice::image_of;
 
 /// Pixels that are compared with the reference; of a smaller image all.
 const SAMPLE: usize = 256;
+/// Pairs of soft spheres that are open at the same time, of all pixels that are compared: their number is quadratic in
+/// the layers. They take a second or so.
+const OPEN_PAIRS: usize = 1 << 22;
+/// The fewest pixels.
+const FEWEST: usize = 4;
 
 /// A random sample of pixels.
 pub(super) struct Truth {
@@ -26,20 +31,38 @@ pub(super) struct Truth {
     values: Vec<Composite>,
 }
 
+/// Some pixels of an image, row by row.
+fn sample(frame: &Frame, most: usize, seed: u64) -> Vec<usize> {
+    let count = frame.size[0] as usize * frame.size[1] as usize;
+    let mut pixels = seq::index::sample(&mut Pcg64::seed_from_u64(seed), count, most.min(count)).into_vec();
+    pixels.sort_unstable();
+    pixels
+}
+
 impl Truth {
     /// The reference for a frame of discs.
     pub fn new(points: &Points, frame: &Frame, seed: u64) -> Self {
-        let count = frame.size[0] as usize * frame.size[1] as usize;
-        let mut pixels = seq::index::sample(&mut Pcg64::seed_from_u64(seed), count, SAMPLE.min(count)).into_vec();
-        pixels.sort_unstable();
+        let pixels = sample(frame, SAMPLE, seed);
         let colors = shade(points, &frame.camera, &frame.shading, frame.color);
         let discs = frame.method.discs().copied().unwrap_or_default();
         let lists = lists_at(View::new(&frame.camera, frame.size), points, &discs, &pixels);
         Self { pixels, values: lists.iter().map(|list| composite(list, &colors)).collect() }
     }
 
-    /// The error of an image against it.
-    pub fn deviation(&self, image: &Image) -> Deviation {
+    /// The reference for a frame of soft spheres without solid points, about so many of them on each ray.
+    pub fn of_spheres(points: &Points, frame: &Frame, method: SoftMethod, layers: u32, seed: u64) -> Self {
+        let pairs = (layers as usize).pow(2).max(1);
+        let pixels = sample(frame, (OPEN_PAIRS / pairs).clamp(FEWEST, SAMPLE), seed);
+        let colors = shade(points, &frame.camera, &frame.shading, frame.color);
+        let view = View::new(&frame.camera, frame.size);
+        let scene = Scene { view, points, colors: &colors, model: Model::new(method, points) };
+        let found = scene.render_at(&pixels, |_| Behind::NOTHING);
+        let values = found.iter().map(|p| Composite { color: p.color, alpha: p.alpha, depth: p.depth }).collect();
+        Self { pixels, values }
+    }
+
+    /// The error of an image against it. `roundings` stand beside the standard errors, which may be 0.
+    pub fn deviation(&self, image: &Image, roundings: f64) -> Deviation {
         let (mut max, mut squares) = (0f64, 0f64);
         for (pixel, truth) in self.pixels.iter().zip(&self.values) {
             let truth = truth.color.extend(truth.alpha).to_array();
@@ -51,7 +74,16 @@ impl Truth {
                 squares += if channel < 3 { difference * difference } else { 0.0 };
             }
         }
-        Deviation { max, rmse: (squares / (3 * self.pixels.len()) as f64).sqrt(), pixels: self.pixels.len() }
+        let rmse = (squares / (3 * self.pixels.len()) as f64).sqrt();
+        let standard_errors = self.standard_error(image).map(|stated| rmse / stated.hypot(roundings));
+        Deviation { max, rmse, pixels: self.pixels.len(), standard_errors }
+    }
+
+    /// Root mean square of the standard errors of these pixels, if the image has some.
+    fn standard_error(&self, image: &Image) -> Option<f64> {
+        let stated = image.stderr.as_deref()?;
+        let squares: f64 = self.pixels.iter().flat_map(|pixel| stated[*pixel]).map(|e| f64::from(e).powi(2)).sum();
+        Some((squares / (3 * self.pixels.len()) as f64).sqrt())
     }
 }
 
@@ -98,10 +130,19 @@ mod tests {
             depth: vec![1.0; 4],
             ..Image::default()
         };
-        assert_eq!(truth.deviation(&image([1.0; 4])), Deviation { max: 0.0, rmse: 0.0, pixels: 2 });
+        let same = Deviation { max: 0.0, rmse: 0.0, pixels: 2, standard_errors: None };
+        assert_eq!(truth.deviation(&image([1.0; 4]), 0.0), same);
         // One of six channels is off by 0.5; A counts only for the largest difference.
-        let Deviation { max, rmse, .. } = truth.deviation(&image([1.0, 0.5, 1.0, 0.25]));
+        let Deviation { max, rmse, .. } = truth.deviation(&image([1.0, 0.5, 1.0, 0.25]), 0.0);
         assert!(max == 0.75 && (rmse - (0.25f64 / 6.0).sqrt()).abs() < 1e-15);
-        assert_eq!(truth.deviation(&image([f32::NAN; 4])).max, f64::INFINITY);
+        assert_eq!(truth.deviation(&image([f32::NAN; 4]), 0.0).max, f64::INFINITY);
+        // All six are stated to be off by 0.125 or so: sqrt(0.25 / 6) / 0.125. Pixels apart from the two don't count.
+        let stated = vec![[0.125; 3], [9.0; 3], [9.0; 3], [0.125; 3]];
+        let noisy = Image { stderr: Some(stated), ..image([1.0, 0.5, 1.0, 0.25]) };
+        let found = truth.deviation(&noisy, 0.0).standard_errors.unwrap();
+        assert!((found - (0.25f64 / 6.0).sqrt() / 0.125).abs() < 1e-12);
+        // Roundings of 0.125 beside them: √2 times as much is explained.
+        let beside = truth.deviation(&noisy, 0.125).standard_errors.unwrap();
+        assert!((found / beside - 2f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -5,6 +5,7 @@ mod determinism;
 mod profiler;
 mod stopped;
 mod stores;
+mod stress;
 mod tradeoff_page;
 
 use std::panic::resume_unwind;

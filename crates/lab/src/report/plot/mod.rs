@@ -245,7 +245,8 @@ fn draw_marker(root: &Area<'_>, (x, y): (i32, i32), index: usize) -> Drawn {
     let polygon = |corners: &[(i32, i32)]| {
         Polygon::new(corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect::<Vec<_>>(), style)
     };
-    match index % 4 {
+    // Four markers of six colors repeat after twelve, so the next twelve start with another marker.
+    match (index + index / 12) % 4 {
         0 => root.draw(&Circle::new((x, y), 4, style))?,
         1 => root.draw(&polygon(&[(-4, -4), (4, -4), (4, 4), (-4, 4)]))?,
         2 => root.draw(&polygon(&[(0, -5), (5, 4), (-5, 4)]))?,
@@ -294,6 +295,20 @@ mod tests {
         // Two more: one in the legend, one beside the note.
         assert_eq!(svg.matches("<circle").count(), 3 + 2);
         assert!(!svg.contains("\nfront\n"));
+    }
+
+    #[test]
+    fn two_dozen_series_differ_in_color_or_marker() {
+        let marker = |index: usize| {
+            let mut svg = String::new();
+            let root = SVGBackend::with_string(&mut svg, (20, 20)).into_drawing_area();
+            draw_marker(&root, (10, 10), index).unwrap();
+            root.present().unwrap();
+            drop(root);
+            svg
+        };
+        let all: std::collections::HashSet<String> = (0..24).map(marker).collect();
+        assert_eq!(all.len(), 24);
     }
 
     #[test]

@@ -17,6 +17,9 @@ use pellucid_io::output::{self, Files};
 /// Errors below are drawn at this value: an error of 0 has no place on a logarithmic axis.
 const ERROR_FLOOR: f64 = 1e-9;
 
+/// More slopes would hide a panel's points; the table has all.
+const MOST_NOTES: usize = 5;
+
 /// A sweep with what it takes to understand it.
 #[derive(Debug, Clone)]
 pub struct Report<'a> {
@@ -34,7 +37,8 @@ pub struct Report<'a> {
 const COLUMNS: &str = "
     scene=workload side pixels layers fragments method points
     gpu_ms/min gpu_ms/median gpu_ms/max wall_ms/min wall_ms/median wall_ms/max mfragments_per_s
-    peak_device_bytes bytes_per_fragment fragment_bytes bands error/max error/rmse error/pixels skipped=reason";
+    peak_device_bytes bytes_per_fragment fragment_bytes bands error/max error/rmse error/pixels kind bound
+    error/standard_errors holds skipped=reason";
 
 /// A measured cell with what follows from it.
 #[derive(Serialize)]
@@ -43,11 +47,19 @@ struct MeasuredCell<'a> {
     cell: &'a Cell,
     mfragments_per_s: f64,
     bytes_per_fragment: f64,
+    bound: Option<f64>,
+    holds: Option<bool>,
 }
 
 impl<'a> MeasuredCell<'a> {
     fn new(cell: &'a Cell) -> Self {
-        Self { cell, mfragments_per_s: cell.mfragments_per_s(), bytes_per_fragment: cell.bytes_per_fragment() }
+        Self {
+            cell,
+            mfragments_per_s: cell.mfragments_per_s(),
+            bytes_per_fragment: cell.bytes_per_fragment(),
+            bound: cell.bound(),
+            holds: cell.holds(),
+        }
     }
 }
 
@@ -83,7 +95,7 @@ impl Report<'_> {
             "settings": {
                 "sides": settings.sides,
                 "layers": settings.layers,
-                "methods": settings.methods.iter().map(|method| method.name()).collect::<Vec<_>>(),
+                "methods": settings.entries.iter().map(|entry| entry.name).collect::<Vec<_>>(),
                 "frames": settings.frames,
                 "max_fragments": settings.max_fragments,
                 "max_seconds": settings.max_seconds,
@@ -116,7 +128,7 @@ impl Report<'_> {
                 &self.figure(scale("device time in ms"), &slopes, time),
                 html! {
                     b { "Device time of a frame. " }
-                    "Points are medians, bars reach from the shortest to the longest time, slopes are those of the table. The dashed line is parallel to everything that "
+                    "Points are medians, bars reach from the shortest to the longest time, slopes, if there is room, are those of the table. The dashed line is parallel to everything that "
                     "grows in proportion to the layers."
                 },
             )?,
@@ -141,8 +153,9 @@ impl Report<'_> {
                 "error.svg",
                 &self.figure(Axis::tens("largest error", ERROR_FLOOR), &[], error),
                 html! {
-                    b { "Largest difference in linear R, G, B and A from the float64 reference, " }
-                    "over the pixels compared. Below 10⁻⁹, equality included, it is drawn at 10⁻⁹."
+                    b { "Largest difference in linear R, G, B and A from the exact picture in float64, " }
+                    "over the pixels compared. That of exact methods is rounding, that of the others is their own. Below 10⁻⁹, equality "
+                    "included, it is drawn at 10⁻⁹."
                 },
             )?,
         ])
@@ -150,7 +163,7 @@ impl Report<'_> {
 
     /// A panel for each scene and size, with (value, least, greatest) of each method over the layers.
     fn figure(&self, y: Axis, slopes: &[Slope], values: impl Fn(&Cell) -> [f64; 3]) -> Figure {
-        let names: Vec<_> = self.settings.methods.iter().map(|method| method.name()).collect();
+        let names: Vec<_> = self.settings.entries.iter().map(|entry| entry.name).collect();
         let panel = |workload: Workload, side: u32| {
             let series = names.iter().enumerate().map(|(name, method)| {
                 let point = |cell: &&Cell| {
@@ -160,6 +173,7 @@ impl Report<'_> {
                 let points = self.sweep.series(workload, side, method);
                 let slope = slopes.iter().find(|s| (s.workload, s.side, s.method) == (workload, side, *method));
                 let note = |s: &Slope| format!("slope {:.2}", s.law.exponent);
+                let slope = slope.filter(|_| names.len() <= MOST_NOTES);
                 Series { note: slope.map(note).unwrap_or_default(), ..Series::new(name, points.iter().map(point)) }
             });
             let title = format!("{}, {side} × {side} pixels", workload.name());

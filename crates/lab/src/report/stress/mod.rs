@@ -1,19 +1,25 @@
-//! The depth-complexity sweep: layers per pixel × pixels, for every transparent method, on scenes with exact values of
-//! both.
+//! The depth-complexity sweep: layers per pixel × pixels, for every method that blends discs or soft spheres, on scenes
+//! with exact values of both.
 //!
 //! **Scenes.** In both built-in scenes every pixel has exactly as many fragments as the scene has layers, because a
 //! mean says little about lists: [`Workload::Stack`] has few discs over the whole image, [`Workload::Mosaic`] many
 //! discs of 9 pixels. They differ only in the work needed to reach the fragments. α = 1 − 2^(−1/layers): the stack
 //! transmits half of the light for any number of layers, so every layer contributes to the image and none may be left
-//! out.
+//! out. For soft methods the same points are soft spheres, whose chord through the center has that opacity.
 //!
 //! **Times.** A cell of the sweep is one scene. Each method renders it once with buffers of its own, which gives memory
-//! and image, and once more to warm up. Then all methods take turns, so that a machine that slows down affects all of
-//! them.
+//! and image, and once more to warm up. Then all methods of discs take turns, and after them all of soft spheres, so
+//! that a machine that slows down affects all of them.
+//!
+//! **Errors.** Every method is compared with the exact picture of what it draws, in float64: the discs one behind the
+//! other, or the integrals of the soft spheres (`soft-base`). The error of an exact method has a bound that follows
+//! from its roundings. That of an approximation is stated, since its size is the method's own. That of a stochastic one
+//! is counted in the standard errors that the method states.
 //!
 //! **Limits.** A cell is skipped, with the reason in the report, if it exceeds the allowed number of fragments, if a
 //! method's own times so far predict too long a frame, or if a method can't render it.
 
+mod entry;
 mod files;
 mod page;
 pub(super) mod sweep;
@@ -21,9 +27,10 @@ pub(super) mod sweep;
 use serde::{Deserialize, Serialize};
 
 use super::fit::{PowerLaw, power_law};
-use pellucid_scene::Method;
 
+pub use entry::{Entry, Expected};
 pub use files::{FILES, Report, write};
+pub use page::expected;
 pub use sweep::run;
 
 /// Built-in scene that gives the layers.
@@ -56,8 +63,8 @@ pub struct Settings {
     pub sides: Vec<u32>,
     /// Layers per pixel, ascending.
     pub layers: Vec<u32>,
-    /// The methods, see [`Method::transparent`].
-    pub methods: Vec<Method>,
+    /// What is compared, see [`Entry::all`].
+    pub entries: Vec<Entry>,
     /// Frames behind each median, at least 1.
     pub frames: u32,
     /// Cells with more fragments are skipped.
@@ -72,11 +79,11 @@ pub struct Settings {
 
 impl Settings {
     /// The whole sweep: 1 to 4096 layers over 64², 256² and 1024² pixels.
-    pub fn full(methods: Vec<Method>) -> Self {
+    pub fn full(entries: Vec<Entry>) -> Self {
         Self {
             sides: vec![64, 256, 1024],
             layers: (0..=12).map(|power| 1 << power).collect(),
-            methods,
+            entries,
             frames: 5,
             max_fragments: 1 << 26,
             max_seconds: 2.0,
@@ -86,13 +93,13 @@ impl Settings {
     }
 
     /// A part of it for a quick look and for tests: 1 to 1024 layers by fours, over 64² and 256² pixels.
-    pub fn quick(methods: Vec<Method>) -> Self {
+    pub fn quick(entries: Vec<Entry>) -> Self {
         Self {
             sides: vec![64, 256],
             layers: (0..=5).map(|power| 1 << (2 * power)).collect(),
             frames: 3,
             max_fragments: 1 << 20,
-            ..Self::full(methods)
+            ..Self::full(entries)
         }
     }
 
@@ -119,7 +126,7 @@ pub struct Cell {
     pub fragments: u64,
     /// Fragments that the method counted; `None` if it doesn't count any.
     pub counted: Option<u64>,
-    /// The method's name.
+    /// [`Entry::name`].
     pub method: &'static str,
     /// Device time of all passes.
     pub gpu_ms: Spread,
@@ -131,8 +138,11 @@ pub struct Cell {
     pub fragment_bytes: u64,
     /// Bands that the image was cut into.
     pub bands: u64,
-    /// Error against the reference in float64.
+    /// Error against the exact picture in float64.
     pub error: Deviation,
+    /// What is known of that error beforehand.
+    #[serde(rename = "kind")]
+    pub expected: Expected,
     /// Each pass in the order of its first run.
     pub passes: Vec<PassSpread>,
 }
@@ -141,6 +151,17 @@ impl Cell {
     /// Millions of fragments per second of device time.
     pub fn mfragments_per_s(&self) -> f64 {
         self.fragments as f64 / (1e3 * self.gpu_ms.median)
+    }
+
+    /// Largest error that the roundings of an exact method explain; `None` for other methods.
+    pub fn bound(&self) -> Option<f64> {
+        if let Expected::Exact(bound) = self.expected { Some(bound) } else { None }
+    }
+
+    /// True if the error is within what is expected of the method; `None` for an approximation, of which no error is
+    /// expected.
+    pub fn holds(&self) -> Option<bool> {
+        self.expected.holds(&self.error)
     }
 
     /// [`Self::peak_device_bytes`] over fragments.
@@ -178,6 +199,9 @@ pub struct Deviation {
     pub rmse: f64,
     /// Pixels that were compared: all, or a random sample.
     pub pixels: usize,
+    /// `rmse` over the root mean square of the standard errors that the image states of these pixels: about 1 if they
+    /// are right. `None` for an image without standard errors.
+    pub standard_errors: Option<f64>,
 }
 
 /// A pass with its time, summed over all batches of fragments.
@@ -198,7 +222,7 @@ pub struct Skipped {
     pub side: u32,
     /// Fragments in each pixel.
     pub layers: u32,
-    /// The method's name.
+    /// [`Entry::name`].
     pub method: &'static str,
     /// Reason for the omission.
     pub reason: String,
@@ -211,7 +235,7 @@ pub struct Slope {
     pub workload: Workload,
     /// Width and height of the image in pixels.
     pub side: u32,
-    /// The method's name.
+    /// [`Entry::name`].
     pub method: &'static str,
     /// Least and most layers of the cells that were fitted: the deeper half of those measured, at least three.
     pub layers: [u32; 2],
@@ -292,7 +316,8 @@ mod tests {
             peak_device_bytes: 0,
             fragment_bytes: 0,
             bands: 1,
-            error: Deviation { max: 0.0, rmse: 0.0, pixels: 64 },
+            error: Deviation { max: 0.0, rmse: 0.0, pixels: 64, standard_errors: None },
+            expected: Expected::Stated,
             passes: Vec::new(),
         }
     }

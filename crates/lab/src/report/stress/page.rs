@@ -84,7 +84,17 @@ fn summary(report: &Report<'_>) -> Markup {
         .number("peak MiB", digits, |cell| mib(cell.peak_device_bytes))
         .number("B/fragment", digits, Cell::bytes_per_fragment)
         .number("largest error", small, |cell| cell.error.max)
+        .text("kind", |cell| cell.expected.word())
+        .written("expected", |cell| (f64::NAN, expected(cell)))
         .html()
+}
+
+/// What is expected of a cell's error, and whether it is so.
+pub fn expected(cell: &Cell) -> String {
+    let word = if cell.holds() == Some(false) { "no: " } else { "" };
+    let found = cell.error.standard_errors.map(|found| format!("{word}{found:.2} standard errors"));
+    let bound = cell.bound().map(|bound| format!("{word}at most {}", small(bound)));
+    bound.or(found).unwrap_or_default()
 }
 
 /// A table of passes for each scene and size; the middle size is open.
@@ -94,8 +104,8 @@ fn passes(report: &Report<'_>) -> Markup {
         @for (workload, side) in places(report) {
             details open[side == middle] {
                 summary { (workload.name()) ", " (size(side)) " pixels" }
-                @for method in &report.settings.methods {
-                    (passes_of(method.name(), &report.sweep.series(workload, side, method.name())))
+                @for entry in &report.settings.entries {
+                    (passes_of(entry.name, &report.sweep.series(workload, side, entry.name)))
                 }
             }
         }
@@ -126,6 +136,7 @@ fn cells(report: &Report<'_>) -> Markup {
         .number("bands", count, |cell| cell.bands as f64)
         .number("largest error", small, |cell| cell.error.max)
         .number("RMSE", small, |cell| cell.error.rmse)
+        .written("expected", |cell| (f64::NAN, expected(cell)))
         .number("of pixels", count, |cell| cell.error.pixels as f64)
         .html()
 }
@@ -148,19 +159,26 @@ fn method(report: &Report<'_>) -> Markup {
             b { "Scenes. " } "In " code { "stack" } " each layer is one disc over the whole image. In " code { "mosaic" }
             " each layer is tiled by discs of radius 1.7 pixels, which cover 3 × 3 pixels each, in random colors. Both have exactly as many "
             "fragments in every pixel as layers, and differ in what it takes to find them. Opacity is 1 − 2^(−1/layers), so "
-            "the pile lets half of the light through: no layer is hidden, and none can be left out."
+            "the pile lets half of the light through: no layer is hidden, and none can be left out. For the soft methods the same "
+            "points are spheres of the same radius, with this opacity on a ray through their center; in " code { "stack" }
+            " they all intersect."
         }
         p {
-            b { "Time. " } "Each method renders a scene twice before it is measured; then the methods take turns, "
-            (report.settings.frames) " frames each. Device time is the sum of all passes between timestamps, wall time lasts "
+            b { "Time. " } "Each method renders a scene twice before it is measured; then the methods take turns, first those of "
+            "discs, then those of soft spheres, " (report.settings.frames) " frames each. Device time is the sum of all passes between timestamps, wall time lasts "
             "from the first submission to the end of read-back."
         }
         p {
             b { "Memory. " } "The peak during a frame rendered with its own buffers, with nothing on the device but the cloud."
         }
         p {
-            b { "Error. " } "The error is measured against the same scene in float64, computed from the equations without a device, over a "
-            "random sample of 256 pixels. (In " code { "stack" } " all pixels are alike.) RMSE is over linear R, G, B."
+            b { "Error. " } "Every method is compared with the exact picture of what it draws: discs one behind the other, or "
+            "the integrals of the soft spheres (" code { "soft-base" } "), computed in float64 from the equations without a device. "
+            "Of discs a random sample of 256 pixels is compared, of soft spheres fewer where there are many layers. RMSE is over linear "
+            "R, G, B. For an " b { "exact" } " method the table has the largest error that its roundings explain. The error of an "
+            b { "approximate" } " one is its own, and nothing is expected of it. For a " b { "stochastic" } " one the table has the "
+            "RMSE over the standard errors that the method itself states of these pixels: about 1 if both are right. “no” stands "
+            "before a figure that is not as expected."
         }
         p {
             b { "Skipped. " } "Left out are cells with more fragments than the limit, methods whose frame would take longer than "

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use pellucid_core::progress::Progress;
 
-use super::{Cell, PassSpread, Settings, Skipped, Spread, Sweep, Workload};
+use super::{Cell, Entry, PassSpread, Settings, Skipped, Spread, Sweep, Workload};
 use crate::report::truth::Truth;
 use crate::report::unique;
 use pellucid_core::camera::Camera;
@@ -12,8 +12,10 @@ use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{self, Frame, FrameProfile, Rendered, Renderer};
 use pellucid_gpu::Device;
-use pellucid_scene::{self as scene, Method, Scene, procedural};
+use pellucid_scene::{self as scene, Scene, procedural};
 
+/// World units that soft spheres are farther away than discs, which is more than the largest radius.
+const BACK: f64 = 2.0;
 /// A frame that takes less is not predicted from: it shows what a frame costs, not what its fragments do.
 const NOISE_SECONDS: f64 = 0.01;
 
@@ -53,75 +55,95 @@ impl SweepPosition {
         self.pixels() * u64::from(self.layers)
     }
 
-    /// Adds one cell, measured or skipped, for each method.
+    /// Adds one cell, measured or skipped, for each entry.
     fn measure(self, device: &Device, settings: &Settings, sweep: &mut Sweep) -> Result<()> {
-        let mut methods = Vec::new();
-        for &method in &settings.methods {
-            match self.limit(settings, sweep, method) {
-                Some(reason) => sweep.skipped.push(self.skipped(method, reason)),
-                None => methods.push(method),
+        let mut entries = Vec::new();
+        for &entry in &settings.entries {
+            match self.limit(settings, sweep, entry) {
+                Some(reason) => sweep.skipped.push(self.skipped(entry, reason)),
+                None => entries.push(entry),
             }
         }
-        if methods.is_empty() {
-            return Ok(());
+        let (soft, discs): (Vec<Entry>, Vec<Entry>) = entries.into_iter().partition(Entry::is_soft);
+        for alike in [discs, soft] {
+            self.measure_alike(device, settings, sweep, &alike)?;
         }
-        let (points, camera) = self.scene(settings.seed)?;
-        let frame = |method| Frame {
+        Ok(())
+    }
+
+    /// Measures entries that all draw the same: discs, or soft spheres.
+    fn measure_alike(self, device: &Device, settings: &Settings, sweep: &mut Sweep, entries: &[Entry]) -> Result<()> {
+        let Some(first) = entries.first() else { return Ok(()) };
+        let (points, camera) = self.scene(settings.seed, first.is_soft())?;
+        let frame = |entry: &Entry| Frame {
             shading: Default::default(),
             memory_budget: settings.memory_budget,
-            ..Frame::new(camera, [self.side; 2], method)
+            seed: settings.seed,
+            ..Frame::new(camera, [self.side; 2], entry.for_layers(self.opacity()))
         };
         let uploaded = Renderer::new(device).and_then(|renderer| Ok((renderer.upload(&points)?, renderer)));
         let (mut cloud, mut renderer) = match uploaded {
             Ok(uploaded) => uploaded,
             Err(error) => {
                 let reason = refusal(error)?;
-                sweep.skipped.extend(methods.iter().map(|method| self.skipped(*method, reason.clone())));
+                sweep.skipped.extend(entries.iter().map(|entry| self.skipped(*entry, reason.clone())));
                 return Ok(());
             }
         };
         // Before anything else is on the device.
         let mut runs = Vec::new();
-        for method in methods {
-            match Renderer::new(device).and_then(|mut renderer| renderer.render(&mut cloud, &frame(method))) {
-                Ok(first) => runs.push(CellRun { method, first, frames: Vec::new() }),
-                Err(error) => sweep.skipped.push(self.skipped(method, refusal(error)?)),
+        for entry in entries {
+            match Renderer::new(device).and_then(|mut renderer| renderer.render(&mut cloud, &frame(entry))) {
+                Ok(first) => runs.push(CellRun { entry: *entry, first, frames: Vec::new() }),
+                Err(error) => sweep.skipped.push(self.skipped(*entry, refusal(error)?)),
             }
             device.check_validation()?;
         }
         for round in 0..=settings.frames {
             for mut run in std::mem::take(&mut runs) {
-                match renderer.render(&mut cloud, &frame(run.method)) {
+                // The first round pays for buffers, and standard errors take passes of their own.
+                let spread = round == 0 && run.entry.method.is_sampled();
+                match renderer.render(&mut cloud, &Frame { spread, ..frame(&run.entry) }) {
                     Ok(rendered) => {
-                        // The first round pays for buffers.
-                        if round > 0 {
+                        if spread {
+                            run.first.image = rendered.image;
+                        } else if round > 0 {
                             run.frames.push(rendered.profile);
                         }
                         runs.push(run);
                     }
-                    Err(error) => sweep.skipped.push(self.skipped(run.method, refusal(error)?)),
+                    Err(error) => sweep.skipped.push(self.skipped(run.entry, refusal(error)?)),
                 }
             }
         }
         device.check_validation()?;
-        let truth = Truth::new(&points, &frame(Method::ABuffer(Default::default())), settings.seed);
+        let exact = frame(&Entry { method: first.exact(self.opacity()), ..*first });
+        let truth = match first.exact(self.opacity()).as_soft() {
+            Some(method) => Truth::of_spheres(&points, &exact, method, self.layers, settings.seed),
+            None => Truth::new(&points, &exact, settings.seed),
+        };
         sweep.cells.extend(runs.into_iter().map(|run| self.cell(points.len(), run, &truth)));
         Ok(())
     }
 
-    fn skipped(self, method: Method, reason: String) -> Skipped {
+    fn skipped(self, entry: Entry, reason: String) -> Skipped {
         let Self { workload, side, layers } = self;
-        Skipped { workload, side, layers, method: method.name(), reason }
+        Skipped { workload, side, layers, method: entry.name, reason }
     }
 
-    /// Returns the reason why this cell is too much for a method, if it is.
-    fn limit(self, settings: &Settings, sweep: &Sweep, method: Method) -> Option<String> {
+    /// The opacity of a layer: all of them let half of the light through.
+    fn opacity(self) -> f64 {
+        1.0 - 0.5f64.powf(1.0 / f64::from(self.layers))
+    }
+
+    /// Returns the reason why this cell is too much for an entry, if it is.
+    fn limit(self, settings: &Settings, sweep: &Sweep, entry: Entry) -> Option<String> {
         let (fragments, most) = (self.fragments(), settings.max_fragments);
         if fragments > most {
             return Some(format!("{fragments} fragments, more than the limit of {most}"));
         }
         let times: Vec<_> = sweep
-            .series(self.workload, self.side, method.name())
+            .series(self.workload, self.side, entry.name)
             .iter()
             .map(|cell| (f64::from(cell.layers), cell.wall_ms.median / 1e3))
             .collect();
@@ -132,23 +154,29 @@ impl SweepPosition {
         })
     }
 
-    fn scene(self, seed: u64) -> Result<(Points, Camera)> {
+    /// Points and camera. Soft spheres are seen from farther away, so that none reaches to the near plane.
+    fn scene(self, seed: u64, is_soft: bool) -> Result<(Points, Camera)> {
         let name = self.workload.name();
-        let opacity = 1.0 - 0.5f64.powf(1.0 / f64::from(self.layers));
-        let parameters = [("layers", self.layers.into()), ("size", self.side.into()), ("opacity", opacity)];
+        let parameters = [("layers", self.layers.into()), ("size", self.side.into()), ("opacity", self.opacity())];
         let parameters = parameters.map(|(key, value): (&str, f64)| (key.to_owned(), value));
         let generated = procedural::build(name, &parameters, seed).map_err(scene::Error::from)?;
         let scene = Scene::from_toml(&generated.scene_toml, name.as_ref())?;
         let clouds = scene::take_generated(&scene, &generated)?;
         let up = scene::up_axis(&clouds);
-        let points = scene::assemble(&scene, clouds, true, &Progress::hidden())?;
-        let (camera, _) = scene::camera(&scene, &points, up)?;
+        let mut points = scene::assemble(&scene, clouds, true, &Progress::hidden())?;
+        let (mut camera, _) = scene::camera(&scene, &points, up)?;
+        if is_soft {
+            points.fields = vec![1.0; points.len()];
+            camera.eye -= BACK * camera.forward;
+            camera.far += BACK;
+        }
         Ok((points, camera))
     }
 
     fn cell(self, points: usize, run: CellRun, truth: &Truth) -> Cell {
         let Self { workload, side, layers } = self;
         let facts = &run.first.facts;
+        let expected = run.entry.expected(layers);
         let ms = |time: fn(&FrameProfile) -> Duration| {
             Spread::from_values(run.frames.iter().map(|frame| time(frame).as_secs_f64() * 1e3).collect())
         };
@@ -160,13 +188,14 @@ impl SweepPosition {
             points: points as u64,
             fragments: self.fragments(),
             counted: (facts.fragments > 0).then_some(facts.fragments),
-            method: run.method.name(),
+            method: run.entry.name,
             gpu_ms: ms(FrameProfile::gpu),
             wall_ms: ms(|frame| frame.wall),
             peak_device_bytes: facts.peak_device_bytes,
             fragment_bytes: facts.fragment_bytes,
             bands: facts.bands,
-            error: truth.deviation(&run.first.image),
+            error: truth.deviation(&run.first.image, expected.roundings()),
+            expected,
             passes: passes(&run.frames),
         }
     }
@@ -174,8 +203,8 @@ impl SweepPosition {
 
 /// A method in a cell.
 struct CellRun {
-    method: Method,
-    /// Rendered with fresh buffers.
+    entry: Entry,
+    /// Rendered with fresh buffers; the image later has standard errors, if the method knows some.
     first: Rendered,
     frames: Vec<FrameProfile>,
 }

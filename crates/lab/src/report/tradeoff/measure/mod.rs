@@ -202,7 +202,7 @@ impl TradeoffRun<'_> {
             let (checked_pixels, largest_error) = unchecked.map_or((0, 0.0), |image| {
                 self.progress.set_message("checking the reference in float64");
                 let points = self.subject.arranged.points();
-                let deviation = Truth::new(points, &self.frame, self.frame.seed).deviation(&image);
+                let deviation = Truth::new(points, &self.frame, self.frame.seed).deviation(&image, 0.0);
                 (deviation.pixels, deviation.max)
             });
             let method = self.made.method.clone();
