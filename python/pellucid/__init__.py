@@ -1,4 +1,4 @@
-"""Render point clouds you can see through, exactly, on any Vulkan device, and time every pass.
+"""Render point clouds you can see through, exactly or nearly, on devices with Vulkan 1.3, and time every pass.
 
 >>> import numpy, pellucid
 >>> points = numpy.random.default_rng(0).normal(size=(10_000, 3))

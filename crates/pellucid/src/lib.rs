@@ -1,4 +1,4 @@
-//! Renders point clouds you can see through, exactly, on any Vulkan device, and times every pass.
+//! Renders point clouds you can see through, exactly or nearly, on devices with Vulkan 1.3, and times every pass.
 //!
 //! ```no_run
 //! # fn main() -> pellucid::Result<()> {
