@@ -34,9 +34,9 @@ rasterizer; weighted, average and unsorted. If every point is opaque, also circl
 reason: methods that do not apply, steps beyond the longest list, and settings whose frames would take too long.
 
 Soft methods: If the scene's method is a soft one, the models of soft spheres are compared instead, with the scene's threshold, \
-softness and modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive shells, and soft-express. \
-lambda is converted to the softness that it means for the scene's method. The report compares the paper's claims about the three \
-with the measurements.
+softness and modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive shells, each equalized \
+(Eq. 15) and not, and soft-express. lambda is converted to the softness that it means for the scene's method. The report compares \
+the paper's claims about the three with the measurements.
 
 Gaussian splats: A table \"by cause\" gives the cost of each approximation alone: abuffer with another order, kernel, cut, cap, \
 dilation, antialias or degree of harmonics, against the exact image of the scene's own kernel and order. It takes at most a fifth of \

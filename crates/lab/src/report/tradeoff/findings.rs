@@ -11,7 +11,7 @@ const STEP: f64 = 1.0 / 255.0;
 
 /// Returns a finding for each statement whose rows were all measured.
 pub(super) fn check_statements(rows: &[Row], analytic: Option<&Analytic>) -> Vec<Finding> {
-    let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_part(&row.setting) == own);
+    let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_parts(&row.setting) == own);
     let base = row("soft-base", "");
     let concentric = row("soft-concentric", "method.shells=adaptive");
     let express = row("soft-express", "");
@@ -76,8 +76,9 @@ fn ensembles(rows: &[Row]) -> Option<Finding> {
 }
 
 /// A setting without the softness that all rows share.
-fn own_part(setting: &str) -> &str {
-    setting.split(' ').find(|part| !part.starts_with("method.softness=")).unwrap_or_default()
+fn own_parts(setting: &str) -> String {
+    let own: Vec<_> = setting.split(' ').filter(|part| !part.starts_with("method.softness=")).collect();
+    own.join(" ")
 }
 
 fn ratio(a: &Row, b: &Row) -> f64 {
@@ -138,6 +139,7 @@ mod tests {
             row("soft-base", "method.softness=0.5", 100.0, 0.0, 800),
             row("soft-base", "method.layout=paper method.softness=0.5", 120.0, 0.01, 1600),
             row("soft-concentric", "method.shells=2 method.softness=0.5", 1.0, 0.0, 1),
+            row("soft-concentric", "method.shells=adaptive method.equalize=false method.softness=0.5", 40.0, 0.01, 1),
             row("soft-concentric", "method.shells=adaptive method.softness=0.5", 50.0, 0.02, 1),
             row("soft-express", "method.softness=0.5", 8.0, 0.03, 0),
         ];
