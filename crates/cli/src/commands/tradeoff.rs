@@ -16,7 +16,7 @@ use pellucid_lab::report::popping;
 use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options, Shaded, ShadedStep, Skipped, Tradeoff};
 use pellucid_scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
-use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session};
+use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session, without_soft_points};
 
 use super::along::{Along, PathArgs};
 use super::console::Console;
@@ -209,6 +209,8 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
         console.warn("eye-dome lighting is left out, because not all compared methods support it");
         shading.edl.edl = false;
     }
+    let without = without_soft_points(prepared.points(), &scene.method.representative());
+    without.iter().for_each(|warning| console.warn(warning));
     let shadows = scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
     let frame = Frame { shading, shadows, detail: Default::default(), factors, ..prepared.frame() };
     let background = scene.image.background.color();
