@@ -10,7 +10,7 @@ use crate::passes::project::{DeviceCloud, Parts};
 use crate::points::Points;
 use crate::scene::{
     Density, DiscShape, Discs, Falloff, GaussianSettings, Kernel, LongLists, Method, MethodChoice, Order, Raster,
-    ScreenSplats, Shells, Soft, SoftLayout, Spbr,
+    ScreenSplats, Soft, Spbr,
 };
 
 /// Returns the method for these points: `auto` is replaced by one that is exact for them.
@@ -114,8 +114,9 @@ pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     if let Some(soft) = method.soft() {
         let model = SoftModel::new(method, soft, Parts::count(points, soft.threshold).median_radius);
         // Settings differ only in how they form the same image; `pixels_per_shell` is the scene's.
-        let (shells, layout) = (Shells::default(), SoftLayout::default());
-        return Some(Method::SoftBase(Soft { density: Density::Softness(model.peak), shells, layout, ..*soft }));
+        let Soft { shells, layout, equalize, .. } = Soft::default();
+        let density = Density::Softness(model.peak);
+        return Some(Method::SoftBase(Soft { density, shells, layout, equalize, ..*soft }));
     }
     if let Method::Spbr(spbr) = method {
         return Some(Method::Spbr(Spbr { ensembles: Spbr::default().ensembles, brighten: false, ..*spbr }));

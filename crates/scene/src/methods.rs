@@ -146,7 +146,7 @@ methods! {
     /// Soft points as spheres, integrated exactly along each ray, in front of solid points (Seemann et al. 2018).
     "soft-base" => SoftBase(Soft), Soft, for Soft, also &["layout=paper"];
     /// Like `soft-base`, but each sphere consists of concentric shells of constant density.
-    "soft-concentric" => SoftConcentric(Soft), Soft, for Soft;
+    "soft-concentric" => SoftConcentric(Soft), Soft, for Soft, also &["equalize=false"];
     /// Like `soft-base`, but with discs in a presorted order: fast and approximate.
     "soft-express" => SoftExpress(Soft), Soft, for Soft;
     /// The nearest soft points as one transparent layer; all other points are opaque.

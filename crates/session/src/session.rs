@@ -11,7 +11,7 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, OpacityFactor};
 use pellucid_engine::methods::{DrawnPart, Error as FrameError, Frame, PassProfile, Rendered, Renderer, SamplePart};
-use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::plan;
 use pellucid_engine::profile::Profile;
 use pellucid_gpu::Device;
@@ -26,7 +26,7 @@ use crate::messages::{Messages, Told};
 use crate::prepared::Prepared;
 use crate::request::Request;
 use crate::uploaded::Uploaded;
-use crate::{notes, prepared};
+use crate::{notes, prepared, soft_points};
 
 /// Factor on opacities before one is found: a scene that can be seen through, so that `auto` takes a method for that.
 const UNKNOWN_OPACITY: f32 = 0.5;
@@ -58,6 +58,8 @@ pub struct Session {
     pub uploaded: Uploaded,
     /// Facts that method and opacity follow from.
     decided: Option<Decided>,
+    /// The threshold of the method, and how many points it makes soft.
+    parts: Option<(f32, Parts)>,
     /// `true` once a picture was judged by its opacities.
     is_judged: bool,
     /// Warnings that were given already.
@@ -117,6 +119,7 @@ impl Session {
             choice: None,
             uploaded,
             decided: None,
+            parts: None,
             is_judged: false,
             told: Told::default(),
             progress: progress.clone(),
@@ -217,7 +220,7 @@ impl Session {
     /// Renders the request by a method that was decided before, for the reason `why`.
     pub fn keep_method(&mut self, method: Method, why: String) {
         (self.frame, self.why) = (Frame { method, ..undecided(&self.prepared) }, why);
-        (self.found, self.choice) = (None, None);
+        (self.found, self.choice, self.parts) = (None, None, None);
     }
 
     /// Decides method and opacity, unless nothing changed of what the last ones followed from.
@@ -256,9 +259,25 @@ impl Session {
             // Factors of the request, such as those of a slider, need no search.
             self.frame.factors.opacity = found.factor * self.prepared.request.frame.factors.opacity;
         }
+        self.find_parts()?;
         self.progress.set_message("rendering");
         self.decided = Some(asked);
         Ok(is_new)
+    }
+
+    /// Counts soft points, if the method tells them from solid ones.
+    fn find_parts(&mut self) -> Result<()> {
+        self.parts = None;
+        let Some(threshold) = self.frame.method.threshold().filter(|_| !self.is_part) else { return Ok(()) };
+        let cloud = &mut self.uploaded.cloud;
+        cloud.find_parts(threshold, &self.progress).map_err(FrameError::from)?;
+        self.parts = Some((threshold, cloud.parts(threshold)));
+        Ok(())
+    }
+
+    /// Says so where no point is soft though the method is made for those.
+    fn without_soft_points(&self) -> Option<String> {
+        self.parts.and_then(|(threshold, parts)| soft_points::none(&parts, threshold))
     }
 
     /// Returns the limits by which the method is chosen, and says so where they have no effect.
@@ -332,6 +351,9 @@ impl Session {
         messages.detail(&format_args!("method {}: {}", self.frame.method.name(), self.why));
         let [width, height] = self.frame.size;
         messages.detail(&format_args!("{} points, {width} × {height} pixels", self.uploaded.cloud.total()));
+        if let Some((threshold, parts)) = &self.parts {
+            messages.detail(&soft_points::count(parts, *threshold));
+        }
         self.warn(messages);
     }
 
@@ -350,7 +372,7 @@ impl Session {
         self.describe_opacity(messages);
         let once = self.told.to(messages);
         let warnings = notes::warnings(&self.prepared, &self.uploaded.cloud, &self.frame, &self.why);
-        warnings.iter().for_each(|warning| once.warn(warning));
+        warnings.iter().chain(&self.without_soft_points()).for_each(|warning| once.warn(warning));
     }
 
     /// Renders one frame; validation messages are an error.
@@ -494,7 +516,7 @@ impl Session {
     }
 
     /// Returns the passes of the frame, each with its reason; that of the first, which takes the points, also says how
-    /// clouds are colored. Lists are counted as for a profile, except for methods without lists.
+    /// clouds are colored, and where no point is soft though the method is made for those. Lists are counted as for a profile, except for methods without lists.
     ///
     /// # Errors
     /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.
@@ -503,7 +525,9 @@ impl Session {
         let facts = self.renderer.survey(&mut self.uploaded.cloud, &frame)?;
         let mut steps = plan::plan(&self.device, &frame, &facts, self.renderer.switches.wide_atomics, &self.why);
         if let Some(first) = steps.iter_mut().find(|step| step.on) {
-            first.reason = [std::slice::from_ref(&first.reason), &self.assembled().colorings].concat().join("; ");
+            let colorings = self.assembled().colorings.iter().cloned();
+            let reasons = [first.reason.clone()].into_iter().chain(colorings).chain(self.without_soft_points());
+            first.reason = reasons.collect::<Vec<_>>().join("; ");
         }
         Ok(steps)
     }

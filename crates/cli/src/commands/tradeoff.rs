@@ -16,7 +16,7 @@ use pellucid_lab::report::popping;
 use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options, Shaded, ShadedStep, Skipped, Tradeoff};
 use pellucid_scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
-use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session};
+use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session, without_soft_points};
 
 use super::along::{Along, PathArgs};
 use super::console::Console;
@@ -34,9 +34,9 @@ rasterizer; weighted, average and unsorted. If every point is opaque, also circl
 reason: methods that do not apply, steps beyond the longest list, and settings whose frames would take too long.
 
 Soft methods: If the scene's method is a soft one, the models of soft spheres are compared instead, with the scene's threshold, \
-softness and modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive shells, and soft-express. \
-lambda is converted to the softness that it means for the scene's method. The report compares the paper's claims about the three \
-with the measurements.
+softness and modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive shells, each equalized \
+(Eq. 15) and not, and soft-express. lambda is converted to the softness that it means for the scene's method. The report compares \
+the paper's claims about the three with the measurements.
 
 Gaussian splats: A table \"by cause\" gives the cost of each approximation alone: abuffer with another order, kernel, cut, cap, \
 dilation, antialias or degree of harmonics, against the exact image of the scene's own kernel and order. It takes at most a fifth of \
@@ -209,6 +209,8 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
         console.warn("eye-dome lighting is left out, because not all compared methods support it");
         shading.edl.edl = false;
     }
+    let without = without_soft_points(prepared.points(), &scene.method.representative());
+    without.iter().for_each(|warning| console.warn(warning));
     let shadows = scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
     let frame = Frame { shading, shadows, detail: Default::default(), factors, ..prepared.frame() };
     let background = scene.image.background.color();

@@ -41,6 +41,7 @@ mod render;
 mod scene_store;
 mod sequence;
 mod shadows;
+mod soft;
 mod splats;
 mod stress;
 mod tradeoff;

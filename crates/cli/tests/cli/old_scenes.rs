@@ -5,8 +5,14 @@ use std::path::Path;
 use crate::{builtin, done, folder, has_device, inside};
 
 /// Keys whose defaults have changed, as they were when the first pictures were made.
-const NAMED: [&str; 4] =
-    ["shading.model=\"none\"", "cloud.*.color_by=\"rgb\"", "cloud.*.radius_cap=0", "cloud.*.outliers=\"keep\""];
+const NAMED: [&str; 5] = [
+    "shading.model=\"none\"",
+    "cloud.*.color_by=\"rgb\"",
+    "cloud.*.radius_cap=0",
+    "cloud.*.outliers=\"keep\"",
+    // The built-in spheres had no field of their own.
+    "cloud.*.field=\"uncertainty\"",
+];
 
 /// A scene, its parameter, a method, and the hash of its pixels in commit f3c18b4, before any of these keys existed but
 /// the first; those of random methods from when random words began to follow from the places of points.

@@ -21,13 +21,17 @@ fn absorption(chord: Chord, radius: f32, w: f32) -> f32 {
     return select(plain, min(wanted / whole, MOST_DEPTH), w < 1.0);
 }
 
-// μ' of a shell: r / (N r_i) (1 - d / r_i), with r_i / r = 1 - place.
+// μ' of a shell: r / (N r_i) (1 - d / r_i), with r_i / r = 1 - place. Not equalized, μ: r / (N r_i) wherever the ray
+// meets it.
 fn shell_density(edge: f32, place: f32, shells: f32) -> f32 {
     let radius = 1.0 - place;
+    if push.equalize == 0u {
+        return select(0.0, 1.0 / (shells * radius), edge > place);
+    }
     return max(edge - place, 0.0) / (shells * radius * radius);
 }
 
-// Optical depth for a unit of a sphere's μ' and of length.
+// Optical depth for a unit of a shell's density, as above, and of length.
 fn shell_absorption(chord: Chord, shells: u32, radius: f32, w: f32) -> f32 {
     let plain = min(push.lambda, MOST_DEPTH);
     if MODULATED == 0u {

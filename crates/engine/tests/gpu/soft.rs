@@ -58,7 +58,8 @@ fn softness(softness: f32) -> Soft {
 fn methods(settings: Soft) -> Vec<Method> {
     let shells = [Shells::Fixed(1), Shells::Fixed(7), Shells::Adaptive];
     let concentric = shells.map(|shells| Method::SoftConcentric(Soft { shells, pixels_per_shell: 1.3, ..settings }));
-    [vec![Method::SoftBase(settings)], concentric.to_vec()].concat()
+    let constant = Soft { shells: Shells::Fixed(2), equalize: false, ..settings };
+    [vec![Method::SoftBase(settings)], concentric.to_vec(), vec![Method::SoftConcentric(constant)]].concat()
 }
 
 fn rendered(device: &Device, spheres: &[S], frame: &Frame) -> Result<Rendered, Error> {
@@ -144,6 +145,29 @@ fn two_shells_by_hand() {
         assert_close(image.rgba[0][3], -(-depth).exp_m1(), 2e-6);
         assert_close(image.depth[0], 10.0 - (4.0f64 - 0.25).sqrt(), 1e-6);
         assert_eq!(image.fragments.as_deref(), Some(&[1][..]));
+    });
+}
+
+#[test]
+fn two_shells_of_constant_density_by_hand() {
+    with_device(|device| {
+        // r = 2, d = 0.5, N = 2: radii 2 and 1, mu = 1/2 and 1.
+        let settings = Soft { shells: Shells::Fixed(2), equalize: false, ..lambda(0.4) };
+        let image = one_pixel(device, &[sphere(beside(0.5, 10.0), 2.0)], Method::SoftConcentric(settings));
+        let depth = 0.4 * (0.5 * 2.0 * 3.75f64.sqrt() + 2.0 * 0.75f64.sqrt());
+        assert_close(image.rgba[0][3], -(-depth).exp_m1(), 2e-6);
+        assert_close(image.depth[0], 10.0 - 3.75f64.sqrt(), 1e-6);
+        assert_eq!(image.fragments.as_deref(), Some(&[1][..]));
+        // Eq. 22 between threshold and modulation: F = 0.75, W = 1/2, d / r = 1/4; a0 = 1 - exp(-2 λ r).
+        let modulated = Soft { modulation: Some(1.0), ..settings };
+        let faint = S { field: 0.75, ..sphere(beside(0.5, 10.0), 2.0) };
+        let image = one_pixel(device, &[faint], Method::SoftConcentric(modulated));
+        let wanted = 0.5 * 0.75 * -(-1.6f64).exp_m1() + 0.5 * -(-depth).exp_m1();
+        assert_close(image.rgba[0][3], wanted, 2e-6);
+        // r = 5, d = 1.5: half chords √22.75 and 2.
+        let settings = Soft { density: Density::Lambda(0.1), ..settings };
+        let image = one_pixel(device, &[sphere(beside(1.5, 10.0), 5.0)], Method::SoftConcentric(settings));
+        assert_close(image.rgba[0][3], -(-0.1 * (22.75f64.sqrt() + 4.0)).exp_m1(), 2e-6);
     });
 }
 

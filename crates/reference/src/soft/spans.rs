@@ -36,7 +36,7 @@ pub enum Medium {
         /// s_m.
         middle: f64,
     },
-    /// Constant density: λμ′, Eq. 15.
+    /// Constant density: λμ (Eq. 13), or λμ′ (Eq. 15).
     Constant(f64),
 }
 
@@ -111,13 +111,14 @@ pub fn in_8_bits(value: f64) -> f64 {
 /// `soft-concentric`: one span for each shell that the ray meets. Densities of shells add up.
 fn concentric(model: &Model, sphere: &Sphere, shells: u32, chord: &Chord, ray: &Ray, limits: &Limits) -> Vec<Span> {
     let n = f64::from(shells);
-    // Eq. 13 and 15: chord, weight and μ′ of each shell.
+    // Eq. 13: chord, weight and μ of each shell; or μ′, Eq. 15.
     let met: Vec<(Chord, f64, f64)> = (0..shells)
         .map_while(|i| {
             let radius = sphere.radius - f64::from(i) * sphere.radius / n;
             let chord = ray.meet(sphere.center, radius)?;
             let weight = 1.0 - chord.distance / radius;
-            Some((chord, weight, sphere.radius / (n * radius) * weight))
+            let mu = sphere.radius / (n * radius);
+            Some((chord, weight, if model.soft.equalize { mu * weight } else { mu }))
         })
         .collect();
     let optical_depth: f64 = met.iter().map(|(chord, _, mu)| model.strength.lambda * mu * 2.0 * chord.half).sum();

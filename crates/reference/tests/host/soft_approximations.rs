@@ -36,6 +36,75 @@ fn two_shells_off_the_center() {
     assert_close(rim.color.x, opacity(0.25 * 0.35 * (22.75f64.sqrt() - 2.0)), ROUNDING);
 }
 
+/// Shells of constant density (Eq. 13 alone).
+fn constant(n: u32, strength: f32) -> Method {
+    Method::SoftConcentric(Soft { shells: Shells::Fixed(n), equalize: false, ..lambda(strength) })
+}
+
+#[test]
+fn two_shells_of_constant_density_off_the_center() {
+    // r = 5 and 2.5, d = 1.5: half chords √22.75 and 2, μ = 1/2 and 1.
+    let one = spheres(&[(DVec3::new(1.5, 0.0, -9.0), 5.0, Vec3::X)]);
+    let depth = 0.5 * 2.0 * 22.75f64.sqrt() + 1.0 * 4.0;
+    assert_close(middle(&one, constant(2, 0.25)).alpha, opacity(0.25 * depth), ROUNDING);
+    // From the outer shell's rim to the inner one's.
+    let behind = Behind { color: DVec3::ZERO, alpha: 1.0, depth: 7.0 };
+    let rim = pixel(&orthographic(), &one, constant(2, 0.25), [4, 4], behind);
+    assert_close(rim.color.x, opacity(0.25 * 0.5 * (22.75f64.sqrt() - 2.0)), ROUNDING);
+    // Through the center both forms are the same.
+    let one = spheres(&[(-9.0 * DVec3::Z, 3.0, Vec3::X)]);
+    for n in [1, 3, 64] {
+        assert_close(middle(&one, constant(n, 0.25)).alpha, opacity(1.5), ROUNDING);
+    }
+}
+
+#[test]
+fn many_shells_of_constant_density_come_to_an_integral() {
+    // Σ (r/N)/rᵢ·2√(rᵢ² − d²) tends to ∫ 2√(ρ² − d²)/ρ dρ from d to r; with r = 1, d = 0.6 that is
+    // 2(0.8 − 0.6·acos 0.6).
+    let limit = 2.0 * (0.8 - 0.6 * 0.6f64.acos());
+    let one = spheres(&[(DVec3::new(0.6, 0.0, -9.0), 1.0, Vec3::X)]);
+    let error = |n: u32| -(1.0 - middle(&one, constant(n, 1.0)).alpha).ln() - limit;
+    // A left sum: off by half of the integrand at the rim, 2·0.8, over N; and at d, where the integrand begins as
+    // 2√(2/d)·√(ρ − d), by |ζ(−1/2)| = 0.208 of that factor over N^(3/2) at most.
+    for n in [100, 1000] {
+        assert_close(error(n) * f64::from(n), 0.8, 0.77 / f64::from(n).sqrt());
+    }
+}
+
+/// Largest difference of A between a sphere of shells and one of falling density, of softness 0.5, over all rays.
+fn farthest_from_base(n: u32, equalize: bool) -> f64 {
+    let soft = Soft { shells: Shells::Fixed(n), equalize, ..Soft::default() };
+    let apart = |ray: u32| {
+        let one = spheres(&[(DVec3::new(f64::from(ray) / 2000.0, 0.0, -9.0), 1.0, Vec3::X)]);
+        (middle(&one, Method::SoftConcentric(soft)).alpha - middle(&one, Method::SoftBase(soft)).alpha).abs()
+    };
+    (0..2000).map(apart).fold(0.0, f64::max)
+}
+
+#[test]
+fn shells_are_as_far_from_falling_density_as_their_equations_say() {
+    // Of r = 1 and softness 1/2: 1 − 2^(−Σ μᵢ hᵢ) from 1 − 2^(−2 I), with half chords hᵢ = √(rᵢ² − d²) and
+    // I = (√(1 − d²) − d² asinh(√(1 − d²)/d))/2 of Eq. 7; the largest difference over d, worked out apart from this
+    // program.
+    let equations = [(1, 0.05285, 0.23841), (3, 0.18769, 0.06250), (25, 0.23799, 0.09357), (64, 0.24204, 0.09788)];
+    for (n, equalized, constant) in equations {
+        assert_close(farthest_from_base(n, true), equalized, 2e-5);
+        assert_close(farthest_from_base(n, false), constant, 2e-5);
+    }
+}
+
+#[test]
+fn modulation_of_shells_of_constant_density() {
+    let mut points = spheres(&[(DVec3::new(1.5, 0.0, -9.0), 5.0, Vec3::X)]);
+    points.fields.fill(0.5);
+    let settings = Soft { threshold: 0.25, modulation: Some(1.25), shells: Shells::Fixed(2), ..lambda(0.125) };
+    // W = 1/4, d/r = 0.3; a₀ = 1 − exp(−2 λ r).
+    let (peak, plain) = (opacity(1.25), opacity(0.125 * (22.75f64.sqrt() + 4.0)));
+    let found = middle(&points, Method::SoftConcentric(Soft { equalize: false, ..settings })).alpha;
+    assert_close(found, peak * 0.7 * 0.75 + plain * 0.25, ROUNDING);
+}
+
 #[test]
 fn many_shells_come_to_an_integral() {
     // Σ (r/N)/rᵢ·(1 − d/rᵢ)·2√(rᵢ² − d²) tends to ∫ 2(1 − d/ρ)√(ρ² − d²)/ρ dρ from d to r; with r = 1, d = 0.6 that is

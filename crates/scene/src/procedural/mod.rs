@@ -97,7 +97,7 @@ builtins! {
         count("size", 128.0, 1.0, 16384.0, "width and height of the image"),
         real("opacity", 0.5, 0.0, 1.0, "opacity of the nearest plane"),
         real("back", 0.7, 0.0, 1.0, "opacity of the farthest; those between in even steps");
-    spheres: "one sphere, two that intersect, or a random soup; a point with a radius each";
+    spheres: "one sphere, two that intersect, or a random soup; a point with a radius each, soft for soft methods";
         count("count", 2.0, 1.0, MAX_POINTS, "number of spheres; a soup from 3 on");
     sign: "lettering and a checker on a sign seen aslant, for methods of opaque points";
         count("points", 60_000.0, 100.0, MAX_POINTS, "points on the sign, give or take a row"),

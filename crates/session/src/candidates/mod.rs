@@ -372,7 +372,8 @@ mod tests {
             Method::Splats(BlendedSplats::default()),
         ];
         assert!(own.into_iter().all(|method| formation_of(method).is_err()));
-        let soft = Soft { layout: SoftLayout::Paper, shells: Shells::Fixed(3), threshold: 0.25, ..Soft::default() };
+        let own = Soft { layout: SoftLayout::Paper, shells: Shells::Fixed(3), equalize: false, ..Soft::default() };
+        let soft = Soft { threshold: 0.25, ..own };
         let same = Soft { threshold: 0.25, ..Soft::default() };
         for method in [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)] {
             assert_eq!(formation_of(method).unwrap(), Formation::Soft { soft: same, from_lambda: false });
@@ -447,11 +448,14 @@ mod tests {
             "soft-concentric method.shells=1",
             "soft-concentric method.shells=4",
             "soft-concentric method.shells=adaptive",
+            "soft-concentric method.shells=1 method.equalize=false",
+            "soft-concentric method.shells=4 method.equalize=false",
+            "soft-concentric method.shells=adaptive method.equalize=false",
             "soft-express",
         ];
         assert_eq!(keys, expected);
         let exact: Vec<bool> = given.iter().map(|setting| setting.is_exact(&occasion(9))).collect();
-        assert_eq!(exact, [true, false, false, false, false, false]);
+        assert_eq!(exact, [true, false, false, false, false, false, false, false, false]);
         assert!(skipped.iter().all(|skipped| skipped.reason.contains("another")), "{skipped:?}");
         // The rows show the converted density rather than the scene's own form.
         let (converted, _) = settings_for(Density::Softness(0.25), true);

@@ -50,7 +50,7 @@ fn show_picture(model: &mut Model) {
     let subject = CameraSubject { bounds, radius: 0.1, up: UpAxis::Z, vertical: UpAxis::Z.into() };
     let (begin, wall) = (Instant::now(), Duration::from_millis(5));
     let (passes, timeline) = (Vec::new(), Vec::new());
-    let parts = Parts { solid: 123_456, soft: 111_111, median_radius: 0.1 };
+    let parts = Parts { solid: 123_456, soft: 111_111, median_radius: 0.1, ends: Some([0.0, 1.0]) };
     let field = Some(FieldFacts { histogram: vec![7; crate::statistics::BINS].into(), parts });
     model
         .take_in(News::Picture(Box::new(WindowPicture {

@@ -21,6 +21,8 @@ pub struct SoftModel {
     pub lambda: f32,
     /// Opacity of a whole chord through the center of a sphere of median radius, in [0, 1].
     pub peak: f32,
+    /// `true` if the density of a shell falls with the ray's distance from the center: μ′ of Eq. 15 in place of μ.
+    pub equalize: bool,
 }
 
 /// Optical depth through which nothing is seen, however little of it there is: for a peak opacity of 1.
@@ -29,6 +31,9 @@ const OPAQUE: f64 = 1e20;
 /// optical depth D is neither opaque nor clear, 1 − d/r is about D^(−2/3), of which float32 leaves 2·10⁻⁷. At this D
 /// that makes an error of 10⁻⁵ in the opacity; it grows as D^(2/3).
 const STIFF: f64 = 1e3;
+/// The same where a shell's density is one for all rays, so that its opacity rises from the rim as a root. The middle
+/// between opaque and clear is where 1 − d/r is 1/(2 D²), and this D makes an error of 10⁻⁵ there. It grows as D².
+const STIFF_SHELLS: f64 = 10.0;
 
 impl SoftModel {
     /// Makes the model of a method's settings; `median_radius` in world units.
@@ -39,18 +44,18 @@ impl SoftModel {
             Method::SoftBase(_) => radius * radius,
             _ => 2.0 * radius,
         };
-        let express = matches!(method, Method::SoftExpress(_));
+        let (express, equalize) = (matches!(method, Method::SoftExpress(_)), soft.equalize);
         match soft.density {
             Density::Softness(peak) | Density::Lambda(peak) if express => {
                 let peak = peak.min(1.0);
-                Self { lambda: peak, peak }
+                Self { lambda: peak, peak, equalize }
             }
             Density::Softness(peak) => {
                 let depth = (-(-f64::from(peak)).ln_1p()).min(OPAQUE);
                 let lambda = if chord > 0.0 { (depth / chord) as f32 } else { 0.0 };
-                Self { lambda: lambda.min(f32::MAX), peak }
+                Self { lambda: lambda.min(f32::MAX), peak, equalize }
             }
-            Density::Lambda(lambda) => Self { lambda, peak: -(-f64::from(lambda) * chord).exp_m1() as f32 },
+            Density::Lambda(lambda) => Self { lambda, peak: -(-f64::from(lambda) * chord).exp_m1() as f32, equalize },
         }
     }
 
@@ -58,9 +63,12 @@ impl SoftModel {
     /// float32.
     pub fn is_stiff(&self, interior: Interior, max_radius: f32) -> bool {
         let radius = f64::from(max_radius);
-        let chord = if interior.is_integrated() { radius * radius } else { 2.0 * radius };
+        let (chord, stiff) = match interior.is_integrated() {
+            true => (radius * radius, STIFF),
+            false => (2.0 * radius, if self.equalize { STIFF } else { STIFF_SHELLS }),
+        };
         // The paper's layout rounds more than that.
-        interior != Interior::Packed && f64::from(self.lambda) * chord > STIFF
+        interior != Interior::Packed && f64::from(self.lambda) * chord > stiff
     }
 }
 
@@ -93,6 +101,6 @@ mod tests {
         }
         let express = soft(Density::Lambda(3.0));
         let model = SoftModel::new(&Method::SoftExpress(express), &express, 2.0);
-        assert_eq!(model, SoftModel { lambda: 1.0, peak: 1.0 });
+        assert_eq!(model, SoftModel { lambda: 1.0, peak: 1.0, equalize: true });
     }
 }

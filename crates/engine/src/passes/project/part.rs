@@ -63,6 +63,8 @@ pub struct Parts {
     pub soft: u64,
     /// Median radius of these in world units, 0 if there are none.
     pub median_radius: f32,
+    /// Smallest and largest field of all points; `None` without a field.
+    pub ends: Option<[f32; 2]>,
 }
 
 impl Parts {
@@ -75,7 +77,8 @@ impl Parts {
     pub(super) fn new(len: u64, fields_and_radii: &[[f32; 2]], threshold: f32) -> Self {
         let mut radii: Vec<f32> = fields_and_radii.iter().filter(|[f, _]| *f > threshold).map(|[_, r]| *r).collect();
         let soft = radii.len() as u64;
-        Self { solid: len - soft, soft, median_radius: median(&mut radii) }
+        let ends = fields_and_radii.iter().map(|[field, _]| *field).fold(None, widened);
+        Self { solid: len - soft, soft, median_radius: median(&mut radii), ends }
     }
 }
 
@@ -87,7 +90,7 @@ impl Parts {
     pub(super) fn of_supply(supply: &dyn Supply, threshold: f32, progress: &Progress) -> Result<Self, supply::Failure> {
         // Radii are not below 0, so that their bits have their order. First by the upper half of the bits, then by the
         // lower one.
-        let (mut all, mut upper) = (0u64, vec![0u64; 1 << 16]);
+        let (mut all, mut upper, mut ends) = (0u64, vec![0u64; 1 << 16], None);
         let is_soft = |points: &Points, i: usize| points.fields.get(i).is_some_and(|field| *field > threshold);
         let radii = |points: &Points| -> Vec<u32> {
             let soft = (0..points.len()).filter(|i| is_soft(points, *i));
@@ -95,11 +98,12 @@ impl Parts {
         };
         supply::each(supply, AT_ONCE, progress, |points| {
             all += points.len() as u64;
+            ends = points.fields.iter().copied().fold(ends, widened);
             radii(points).into_iter().for_each(|bits| upper[(bits >> 16) as usize] += 1);
         })?;
         let soft: u64 = upper.iter().sum();
         if soft == 0 {
-            return Ok(Self { solid: all, soft, median_radius: 0.0 });
+            return Ok(Self { solid: all, soft, median_radius: 0.0, ends });
         }
         let ranks = [(soft - 1) / 2, soft / 2];
         let halves = ranks.map(|rank| ranked(&upper, rank));
@@ -117,8 +121,14 @@ impl Parts {
         };
         let (low, high) = (value(0), value(1));
         let median_radius = if ranks[0] == ranks[1] { high } else { 0.5 * low + 0.5 * high };
-        Ok(Self { solid: all - soft, soft, median_radius })
+        Ok(Self { solid: all - soft, soft, median_radius, ends })
     }
+}
+
+/// Two ends, so far apart that a field lies between them.
+fn widened(ends: Option<[f32; 2]>, field: f32) -> Option<[f32; 2]> {
+    let [low, high] = ends.unwrap_or([field; 2]);
+    Some([low.min(field), high.max(field)])
 }
 
 /// The bin with the value of a rank, and how many are in the bins before.
@@ -181,9 +191,10 @@ mod tests {
     #[test]
     fn a_threshold_parts_a_cloud() {
         let points = [[0.2, 9.0], [0.6, 3.0], [0.5, 7.0], [0.9, 1.0], [0.7, 2.0], [0.8, 8.0]];
-        assert_eq!(Parts::new(6, &points, 0.5), Parts { solid: 2, soft: 4, median_radius: 2.5 });
-        assert_eq!(Parts::new(6, &points, 0.6), Parts { solid: 3, soft: 3, median_radius: 2.0 });
-        assert_eq!(Parts::new(6, &points, 1.0), Parts { solid: 6, soft: 0, median_radius: 0.0 });
-        assert_eq!(Parts::new(6, &[], 0.0), Parts { solid: 6, soft: 0, median_radius: 0.0 });
+        let ends = Some([0.2, 0.9]);
+        assert_eq!(Parts::new(6, &points, 0.5), Parts { solid: 2, soft: 4, median_radius: 2.5, ends });
+        assert_eq!(Parts::new(6, &points, 0.6), Parts { solid: 3, soft: 3, median_radius: 2.0, ends });
+        assert_eq!(Parts::new(6, &points, 1.0), Parts { solid: 6, soft: 0, median_radius: 0.0, ends });
+        assert_eq!(Parts::new(6, &[], 0.0), Parts { solid: 6, soft: 0, median_radius: 0.0, ends: None });
     }
 }

@@ -48,6 +48,10 @@ pub(super) fn cases() -> Vec<Case> {
         each(&base, "quantised", rays::quantized).about("d and color of 32 spheres are not cut to 8 bits"),
         each(&concentric, "shells-add-up", rays::shells_add_up)
             .about("1 to 64 shells: 1 - exp(-2 λ r), whatever their number"),
+        each(&concentric, "not-equalized", rays::not_equalized)
+            .about("two shells of constant density, without Eq. 15: 1 - exp(-λ (√22.75 + 4)), and to the center half"),
+        each(&concentric, "not-equalized-rim", rays::not_equalized_rim)
+            .about("two shells of constant density, 1e-2 to 1e-4 within the rim of the inner one, against float64"),
         each(&both, "leftover", many::leftover)
             .about("what 300 spheres leave of the running sums when they end, behind them one of weight 0.008"),
         each(&all, "reversed", many::reversed)

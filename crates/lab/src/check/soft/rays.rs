@@ -148,6 +148,36 @@ pub(super) fn shells_add_up(stage: &mut CaseRenderer, method: SoftMethod) -> Cas
     Ok(Finding::new(error, bound(64, 0.25, 2.0) + lengths, naive))
 }
 
+pub(super) fn not_equalized(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
+    let dots = [beside(0, 1.5, 9.0, 5.0)];
+    let shells =
+        |equalize| lambda(method, 0.25).changed(|soft| (soft.shells, soft.equalize) = (Shells::Fixed(2), equalize));
+    // Eq. 13: μ of 1/2 on a chord of 2 √22.75, and of 1 on one of 2·2. Cut in the middle: half of it.
+    let half = 0.25 * (0.5 * 22.75f64.sqrt() + 2.0);
+    let whole = stage.pixel(&dots, shells(false))?[3];
+    let cut = stage.image(&dots, Camera { near: 9.0, ..pixels([1, 1]) }, [1, 1], shells(false))?.rgba[0][3];
+    let wanted = [opacity(2.0 * half), opacity(half)];
+    // Eq. 15 as well: 0.7 of the outer shell's density and 0.4 of the inner one's.
+    let equalized = 0.25 * (0.35 * 22.75f64.sqrt() + 0.8);
+    let naive = apart(&[opacity(2.0 * equalized) as f32, opacity(equalized) as f32], &wanted);
+    Ok(Finding::new(apart(&[whole, cut], &wanted), bound(2, 0.25, 5.0), naive))
+}
+
+pub(super) fn not_equalized_rim(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
+    let edges = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
+    let sphere = |(x, edge): (u32, &f64)| beside(x, 0.125 * (1.0 - edge), 10.0, 0.25);
+    let dots: Vec<Dot> = (0..).zip(&edges).map(sphere).collect();
+    let (size, strength) = ([5, 1], 2f32);
+    let method = lambda(method, strength).changed(|soft| (soft.shells, soft.equalize) = (Shells::Fixed(2), false));
+    let wanted = truth(&dots, &pixels(size), size, method);
+    // The inner shell alone, of optical depth 2 λ √(r² - d²), has the rim; its slope in d/r is at most that at 1e-4.
+    let slope = 2.0 * f64::from(strength) * 0.125 / (2f64 * 1e-4).sqrt();
+    let weighted = truth(&dots, &pixels(size), size, method.changed(|soft| soft.equalize = true));
+    let naive: Vec<[f32; 4]> = weighted.iter().map(|pixel| pixel.map(|c| c as f32)).collect();
+    let image = stage.image(&dots, pixels(size), size, method)?;
+    Ok(Finding::pixels(&image.rgba, &naive, &wanted, bound(2, 2.0, 0.25) + slope * 2.0 * DISTANCE))
+}
+
 pub(super) fn extremes(stage: &mut CaseRenderer, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 1.0)];
     let none = stage.pixel(&dots, method.changed(|soft| soft.density = Density::Softness(0.0)))?;

@@ -9,9 +9,10 @@ const EXPRESS_GAIN: f64 = 10.0;
 /// Opacity and color of 8 bits: the least step that shows.
 const STEP: f64 = 1.0 / 255.0;
 
-/// Returns a finding for each statement whose rows were all measured.
-pub(super) fn check_statements(rows: &[Row], analytic: Option<&Analytic>) -> Vec<Finding> {
-    let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_part(&row.setting) == own);
+/// Returns a finding for each statement whose rows were all measured. Statements on soft points are not judged where
+/// there are none; `without` then says so.
+pub(super) fn check_statements(rows: &[Row], analytic: Option<&Analytic>, without: Option<&str>) -> Vec<Finding> {
+    let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_parts(&row.setting) == own);
     let base = row("soft-base", "");
     let concentric = row("soft-concentric", "method.shells=adaptive");
     let express = row("soft-express", "");
@@ -24,7 +25,11 @@ pub(super) fn check_statements(rows: &[Row], analytic: Option<&Analytic>) -> Vec
         base.zip(paper).map(|(base, paper)| packed(base, paper)),
     ];
     let planes = analytic.and_then(|analytic| blended(rows, analytic));
-    pairs.into_iter().flatten().chain(ensembles(rows)).chain(planes).collect()
+    let judged = |found: Finding| match without {
+        Some(without) => Finding { measured: format!("nothing was soft: {without}"), holds: None, ..found },
+        None => found,
+    };
+    pairs.into_iter().flatten().map(judged).chain(ensembles(rows)).chain(planes).collect()
 }
 
 /// The tolerance, as a share, for the error of the most ensembles above the value extrapolated from the fewest.
@@ -76,8 +81,9 @@ fn ensembles(rows: &[Row]) -> Option<Finding> {
 }
 
 /// A setting without the softness that all rows share.
-fn own_part(setting: &str) -> &str {
-    setting.split(' ').find(|part| !part.starts_with("method.softness=")).unwrap_or_default()
+fn own_parts(setting: &str) -> String {
+    let own: Vec<_> = setting.split(' ').filter(|part| !part.starts_with("method.softness=")).collect();
+    own.join(" ")
 }
 
 fn ratio(a: &Row, b: &Row) -> f64 {
@@ -138,15 +144,23 @@ mod tests {
             row("soft-base", "method.softness=0.5", 100.0, 0.0, 800),
             row("soft-base", "method.layout=paper method.softness=0.5", 120.0, 0.01, 1600),
             row("soft-concentric", "method.shells=2 method.softness=0.5", 1.0, 0.0, 1),
+            row("soft-concentric", "method.shells=adaptive method.equalize=false method.softness=0.5", 40.0, 0.01, 1),
             row("soft-concentric", "method.shells=adaptive method.softness=0.5", 50.0, 0.02, 1),
             row("soft-express", "method.softness=0.5", 8.0, 0.03, 0),
         ];
-        let found = check_statements(&rows, None);
+        let found = check_statements(&rows, None, None);
         let holds: Vec<_> = found.iter().map(|finding| finding.holds).collect();
         assert_eq!(holds, [Some(true), Some(false), None, None, Some(false)], "{found:#?}");
         assert!(found[0].measured.ends_with(": 12.5") && found[1].measured.ends_with(": 6.2"), "{found:#?}");
         assert!(found[2].measured.starts_with("RMSE 0.0200") && found[4].measured.contains("2.00 times the bytes"));
-        assert_eq!(check_statements(&rows[..1], None), []);
+        assert_eq!(check_statements(&rows[..1], None, None), []);
+        // Where nothing was soft, nothing is judged.
+        let none = check_statements(&rows, None, Some("0 of 9 points are soft"));
+        assert_eq!(none.len(), found.len());
+        for (none, found) in none.iter().zip(&found) {
+            assert_eq!((&none.claim, none.holds), (&found.claim, None));
+            assert_eq!(none.measured, "nothing was soft: 0 of 9 points are soft");
+        }
     }
 
     #[test]
@@ -156,7 +170,7 @@ mod tests {
                 step: Some(("ensembles".into(), count)),
                 ..row("spbr", "", 1.0, rmse, 0)
             };
-            check_statements(&errors.map(step), None)
+            check_statements(&errors.map(step), None, None)
         };
         let found = from_errors([(1.0, 0.4), (100.0, 0.04), (10.0, 0.2)]);
         assert_eq!((found.len(), found[0].holds), (1, Some(true)), "{found:?}");
@@ -185,7 +199,7 @@ mod tests {
                 rmse_analytic: Some(factor * analytic.expected(count)),
                 ..row("spbr", "", 1.0, 0.4 / count.sqrt(), 0)
             };
-            check_statements(&[1.0, 10.0, 1000.0].map(row), Some(&analytic)).pop().unwrap()
+            check_statements(&[1.0, 10.0, 1000.0].map(row), Some(&analytic), None).pop().unwrap()
         };
         let found = finding(0.08, 1.0);
         assert!(

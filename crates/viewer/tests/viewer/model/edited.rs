@@ -96,7 +96,7 @@ fn statistics_of_clouds_and_points_come_with_the_news() {
     model.set("method.name", word("soft-base"));
     let request = asked(&mut model, Instant::now()).unwrap();
     let News::Picture(mut shown) = picture(&request, true) else { panic!("a picture") };
-    let parts = Parts { solid: 1, soft: 2, median_radius: 0.5 };
+    let parts = Parts { solid: 1, soft: 2, median_radius: 0.5, ends: Some([0.0, 1.0]) };
     shown.field = Some(FieldFacts { histogram: Arc::new([1, 2]), parts });
     model.take_in(News::Picture(shown)).unwrap();
     assert_eq!(model.extent().median_radius, 0.5);

@@ -78,8 +78,9 @@ impl Spheres<'_> {
 
     /// Push constants of the kernels.
     pub fn push(&self, class_index: u32, first_fragment: u32, max_color: f32) -> SoftPush {
-        let SoftModel { lambda, peak } = self.model;
-        SoftPush { class_index, first_fragment, max_color, lambda, peak, max_radius: self.max_radius, first: 0 }
+        let SoftModel { lambda, peak, equalize } = self.model;
+        let (max_radius, equalize) = (self.max_radius, u32::from(equalize));
+        SoftPush { class_index, first_fragment, max_color, lambda, peak, equalize, max_radius, first: 0 }
     }
 
     /// Depths of the solid points; anything where there are none, since nobody reads it then.
@@ -288,7 +289,7 @@ mod tests {
         ];
         let method = Method::SoftConcentric(Soft::default());
         for (interior, limit) in limits {
-            let model = SoftModel { lambda: 1.0, peak: 0.5 };
+            let model = SoftModel { lambda: 1.0, peak: 0.5, equalize: true };
             let kind = SphereKind { interior, exact: false, modulated: false };
             let spheres = Spheres { kind, model, max_radius: 1.0, origin: 0.0, layer: None };
             assert!(spheres.check(&method, limit).is_ok());

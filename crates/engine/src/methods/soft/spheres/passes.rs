@@ -11,6 +11,7 @@ gpu_struct! {
         max_color: f32, // Largest color component, background included.
         lambda: f32, // λ, and the opacity that stands for it in Eq. 22.
         peak: f32,
+        equalize: u32, // 1: Eq. 15 weighs the density of shells.
         // For long lists: largest radius, and the first of the events of each list that a dispatch looks at.
         max_radius: f32,
         first: u32,

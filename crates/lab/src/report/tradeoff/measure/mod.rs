@@ -33,6 +33,7 @@ use super::{Analytic, Reference, Row, Shaded, Skipped, Surveyed, Tradeoff, findi
 use crate::report::popping::{self, Film, Popping};
 use crate::report::truth::Truth;
 use pellucid_session::candidates::{Formation, Ladders, Occasion, Setting, compared, settings};
+use pellucid_session::without_soft_points;
 
 /// The scene to measure.
 #[derive(Debug, Clone, Copy)]
@@ -295,7 +296,10 @@ impl TradeoffRun<'_> {
         let analytic = analytic.map(|known| Analytic { slope: analytic::slope(&rows, known.dealt_once), ..known });
         let findings = match surveyed {
             Some(_) => surfaces::findings::check_statements(&rows),
-            None => findings::check_statements(&rows, analytic.as_ref()),
+            None => {
+                let without = without_soft_points(subject.arranged.points(), &subject.frame.method);
+                findings::check_statements(&rows, analytic.as_ref(), without.as_deref())
+            }
         };
         let info = device.info();
         Tradeoff {
