@@ -4,7 +4,6 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_scene::{Brightness, Method, SpbrSimplified};
@@ -12,14 +11,13 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::chart::{self, Axis, Row};
-use super::stage::{Stage, gauss, plane, random};
+use super::scans::MOVED;
+use super::stage::{Stage, gauss, nmse, plane, random};
 
 /// Side of the paper's image, its points, and the variance of its noise if the plane's side is 1.
 const SIDE: f64 = 1024.0;
 const POINTS: f64 = 1e7;
 const VARIANCE: f64 = 1e-5;
-/// The share of points that is moved.
-const MOVED: f64 = 0.1;
 /// Sides of the plane in pixels: what the paper's variance of 10 pixels² means, and what its NMSE of 0.247 at L = 1
 /// means.
 const PLANES: [f64; 2] = [1000.0, 847.0];
@@ -70,13 +68,6 @@ fn moved(clean: &Points, deviation: f64, seed: u64) -> Points {
 
 /// Gray of red: 76 of 255.
 const RED: f64 = 0.299;
-
-fn nmse(standard: &Image, target: &Image) -> f64 {
-    let gray = |[r, g, b, _]: &[f32; 4]| 0.299 * f64::from(*r) + 0.587 * f64::from(*g) + 0.114 * f64::from(*b);
-    let pairs = standard.rgba.iter().zip(&target.rgba).map(|(i, k)| (gray(i), gray(k)));
-    let (error, whole) = pairs.fold((0.0, 0.0), |(error, whole), (i, k)| (error + (i - k) * (i - k), whole + i * i));
-    error / whole
-}
 
 /// Pixels behind an expected value: it is found to about 1%.
 const TRIALS: usize = 50_000;

@@ -3,35 +3,25 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::DVec3;
-use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
-use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_scene::{self as scene, Brightness, Method, Scene, SpbrSimplified, procedural};
-use rand::RngExt;
+use pellucid_scene::{Brightness, Method, SpbrSimplified};
 
 use super::chart::{self, Axis, Row};
-use super::stage::{Stage, random};
+use super::scans;
+use super::stage::Stage;
 
 const SIDE: f64 = 1024.0;
 /// Points of the built-in garden at the full size: some per pixel, as of the paper's 25 million.
 const POINTS: f64 = 8e6;
-/// The share of points that is moved into the box.
-const MOVED: f64 = 0.1;
-
 const ENSEMBLES: [u32; 13] = [1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 75, 100, 150];
 
 /// Writes `outliers.svg` and `outliers.csv`.
 pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
     let side = (SIDE * scale).round() as u32;
     let (points, is_stray) = garden((POINTS * scale * scale).round(), stage.seed)?;
-    let bounds = points.bounds().unwrap_or(pellucid_core::cloud::Bounds { min: DVec3::ZERO, max: DVec3::ONE });
-    let (center, diagonal) = (bounds.center(), bounds.diagonal());
-    let projection = Projection::Orthographic { height: 0.8 * diagonal };
-    let eye = center + diagonal * DVec3::new(0.4, -0.7, 0.35);
-    let camera = Camera::look_at(eye, center, DVec3::Z, projection, 0.1 * diagonal, 2.0 * diagonal)
-        .expect("the view is not along the vertical");
+    let camera = scans::aslant(&points);
     let strays = only_strays(&points, &is_stray, &camera, side);
     let hits = |count: &u32| f64::from(*count);
     let mean_count = strays.values().map(hits).sum::<f64>() / strays.len() as f64;
@@ -57,17 +47,8 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
 
 /// The garden with a tenth of its points moved to anywhere in its box, and which they are.
 fn garden(count: f64, seed: u64) -> Result<(Points, Vec<bool>)> {
-    let generated = procedural::build("garden", &[("points".to_owned(), count)], seed).map_err(scene::Error::from)?;
-    let scene = Scene::from_toml(&generated.scene_toml, "garden".as_ref())?;
-    let clouds = scene::take_generated(&scene, &generated)?;
-    let mut points = scene::assemble(&scene, clouds, false, &Progress::hidden())?;
-    let mut random = random(seed);
-    let Some(bounds) = points.bounds() else { return Ok((points, Vec::new())) };
-    let is_stray: Vec<_> = (0..points.len()).map(|_| random.random::<f64>() < MOVED).collect();
-    for position in points.positions.iter_mut().zip(&is_stray).filter_map(|(p, stray)| stray.then_some(p)) {
-        let share = DVec3::from_array([(); 3].map(|()| random.random()));
-        *position = bounds.min + share * (bounds.max - bounds.min);
-    }
+    let mut points = scans::merged(scans::built_in("garden", count, seed)?);
+    let is_stray = scans::scatter(&mut points, seed);
     Ok((points, is_stray))
 }
 

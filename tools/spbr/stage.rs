@@ -1,12 +1,16 @@
 //! A device, clouds on it, and images of a square seen from the front.
 
+use std::time::Instant;
+
 use glam::{DVec3, Vec3};
 use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::color::decode_srgb;
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
 use pellucid_engine::Result;
-use pellucid_engine::methods::{Factors, Frame, Renderer};
+use pellucid_engine::methods::brightness;
+use pellucid_engine::methods::{Factors, Frame, Rendered, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_gpu::{Device, DeviceOptions};
 use pellucid_scene::prepare::{Arranged, ensembles};
@@ -35,8 +39,15 @@ impl Stage {
 
     /// Deals a cloud and puts it on the device.
     pub fn upload(&self, points: Points) -> Result<DeviceCloud> {
-        let dealt = ensembles::deal(vec![points], self.seed, &Progress::hidden());
-        Ok(self.renderer.upload(&Arranged::Dealt(dealt))?)
+        Ok(self.upload_timed(vec![points])?.0)
+    }
+
+    /// Deals clouds and puts them on the device; also the time that the dealing took, in seconds.
+    pub fn upload_timed(&self, clouds: Vec<Points>) -> Result<(DeviceCloud, f64)> {
+        let begin = Instant::now();
+        let dealt = ensembles::deal(clouds, self.seed, &Progress::hidden());
+        let seconds = begin.elapsed().as_secs_f64();
+        Ok((self.renderer.upload(&Arranged::Dealt(dealt))?, seconds))
     }
 
     /// The square from (−½, −½, 0) to (½, ½, 0), or what is around it, from the front: `height` world units on `side`
@@ -46,7 +57,7 @@ impl Stage {
     }
 
     /// The square's camera.
-    fn front(height: f64) -> Camera {
+    pub fn front(height: f64) -> Camera {
         let up = DVec3::Y;
         let projection = Projection::Orthographic { height };
         Camera::look_at(DVec3::Z, DVec3::ZERO, up, projection, 0.1, 2.0).expect("Y is not the view's direction")
@@ -60,8 +71,33 @@ impl Stage {
     }
 
     pub fn image(&mut self, cloud: &mut DeviceCloud, camera: Camera, size: [u32; 2], method: Method) -> Result<Image> {
+        Ok(self.rendered(cloud, camera, size, method)?.image)
+    }
+
+    /// A frame with its times and counts.
+    pub fn rendered(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        camera: Camera,
+        size: [u32; 2],
+        method: Method,
+    ) -> Result<Rendered> {
         let frame = self.frame(camera, size, method);
-        Ok(self.renderer.render(cloud, &frame)?.image)
+        Ok(self.renderer.render(cloud, &frame)?)
+    }
+
+    /// An image, brightened as its method says, and the factor p.
+    pub fn brightened(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        camera: Camera,
+        size: [u32; 2],
+        method: Method,
+    ) -> Result<(Image, f32)> {
+        let frame = self.frame(camera, size, method);
+        let mut image = self.renderer.render(cloud, &frame)?.image;
+        let applied = brightness::apply(&mut self.renderer, cloud, &frame, &mut image)?;
+        Ok((image, applied.map_or(1.0, |applied| applied.factor)))
     }
 
     fn frame(&self, camera: Camera, size: [u32; 2], method: Method) -> Frame {
@@ -85,6 +121,32 @@ pub fn plane(count: usize, seed: u64) -> Points {
         radii: vec![0.0; count],
         ..Points::default()
     }
+}
+
+/// A plane of points of this gray, of 255, each with Gaussian noise of this variance in gray levels².
+pub fn noisy_plane(count: usize, gray: f64, variance: f64, seed: u64) -> Points {
+    let (mut points, mut random) = (plane(count, seed), random(seed + 1));
+    for color in &mut points.colors {
+        *color = Vec3::splat(of_level(gray + variance.sqrt() * gauss(&mut random)));
+    }
+    points
+}
+
+/// Linear value of one of 256 levels, clamped to them; not rounded.
+pub fn of_level(level: f64) -> f32 {
+    decode_srgb((level.clamp(0.0, 255.0) / 255.0) as f32)
+}
+
+/// Gray of encoded color: 0.299 R + 0.587 G + 0.114 B.
+pub fn gray([r, g, b, _]: &[f32; 4]) -> f64 {
+    0.299 * f64::from(*r) + 0.587 * f64::from(*g) + 0.114 * f64::from(*b)
+}
+
+/// Eq. 10 of Uchida et al. 2020: the error of an image's grays against a standard image, normalized by its square.
+pub fn nmse(standard: &Image, target: &Image) -> f64 {
+    let pairs = standard.rgba.iter().zip(&target.rgba).map(|(i, k)| (gray(i), gray(k)));
+    let (error, whole) = pairs.fold((0.0, 0.0), |(error, whole), (i, k)| (error + (i - k) * (i - k), whole + i * i));
+    error / whole
 }
 
 pub fn random(seed: u64) -> Pcg64 {

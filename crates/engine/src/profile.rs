@@ -34,6 +34,8 @@ pub struct Profile {
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
     pub list_histogram: Vec<(u32, u64)>,
+    /// Names of the clouds in [`Facts::adjusted`].
+    pub clouds: Vec<String>,
     /// The phases of the command, each where it happened. Those of [`Phase::Compile`]
     /// lie within others.
     pub host: Vec<Span>,
@@ -56,6 +58,7 @@ impl Profile {
             pixels: u64::from(frame.size[0]) * u64::from(frame.size[1]),
             facts: Facts::default(),
             list_histogram: Vec::new(),
+            clouds: Vec::new(),
             host: Vec::new(),
             frames: Vec::new(),
         }
@@ -88,7 +91,7 @@ impl Profile {
                 })
             })
             .collect();
-        json!({
+        let mut whole = json!({
             "version": 1,
             "device": {"name": self.device, "driver": self.driver, "timestamp_period_ns": self.timestamp_period_ns},
             "method": self.method,
@@ -110,7 +113,19 @@ impl Profile {
             },
             "host": self.host_json(),
             "frames": frames,
-        })
+        });
+        if let Some(adjusted) = &self.facts.adjusted {
+            whole["ensembles"] = adjusted.to_json(&self.clouds);
+        }
+        whole
+    }
+
+    /// Returns a line for people on each cloud whose points are dealt to ensembles, and one on the time that it took;
+    /// none for other methods.
+    pub fn adjustment_lines(&self) -> Vec<String> {
+        let Some(adjusted) = &self.facts.adjusted else { return Vec::new() };
+        let order = self.host_times()[Phase::Order as usize];
+        adjusted.lines(&self.clouds).into_iter().chain([adjustment_time(order)]).collect()
     }
 
     /// Returns device times of each pass over all frames, in the order of their first run.
@@ -165,6 +180,11 @@ pub fn median(mut values: Vec<f64>) -> f64 {
         _ if n % 2 == 1 => values[n / 2],
         _ => 0.5 * (values[n / 2 - 1] + values[n / 2]),
     }
+}
+
+/// Says how long points were dealt to ensembles, by the time of the phase [`Phase::Order`].
+pub fn adjustment_time(order: Duration) -> String {
+    format!("adjustment of the numbers of points: {:.1} ms", order.as_secs_f64() * 1e3)
 }
 
 /// Returns lengths of lists and how many pixels have each, ascending.

@@ -76,6 +76,7 @@ fn foot(profile: &Profile, copy_rate: Option<f64>) -> String {
     if let Some(rate) = copy_rate {
         lines.push(format!("copy rate of this device: {:.2} GB/s, reads and writes together", rate / 1e9));
     }
+    lines.extend(profile.adjustment_lines());
     lines.push(profile.host_text());
     lines.join("\n")
 }

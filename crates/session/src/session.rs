@@ -13,7 +13,7 @@ use pellucid_engine::methods::see_through::{self, OpacityFactor};
 use pellucid_engine::methods::{DrawnPart, Error as FrameError, Frame, PassProfile, Rendered, Renderer, SamplePart};
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::plan;
-use pellucid_engine::profile::Profile;
+use pellucid_engine::profile::{self, Profile};
 use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
 use pellucid_io::peak_memory;
@@ -444,6 +444,7 @@ impl Session {
         let applied = self.brighten(rendered)?;
         let options = self.write_options(applied.as_ref(), own);
         describe_frame(rendered, messages);
+        self.describe_adjustment(rendered, messages);
         self.prepared.described_reads().iter().for_each(|reads| messages.detail(reads));
         self.describe_detail(messages);
         if let Some(applied) = &applied {
@@ -484,6 +485,14 @@ impl Session {
             camera: Some(prepared.camera.camera()),
             inputs: prepared.request.inputs.clone(),
         }
+    }
+
+    /// Reports how the number of points of each cloud was adjusted to its opacity, for methods that do so.
+    fn describe_adjustment(&self, rendered: &Rendered, messages: &dyn Messages) {
+        let Some(adjusted) = &rendered.facts.adjusted else { return };
+        adjusted.lines(&self.assembled().cloud_names()).iter().for_each(|line| messages.detail(line));
+        let order = self.progress.spans().into_iter().filter(|span| span.phase == Phase::Order);
+        messages.detail(&profile::adjustment_time(order.map(|span| span.length).sum()));
     }
 
     /// Reports how many points were left out of the last frame.
@@ -535,6 +544,7 @@ impl Session {
     /// Returns a profile without frames.
     pub fn profile(&self) -> Profile {
         let mut profile = Profile::new(&self.device, &self.frame);
+        profile.clouds = self.assembled().cloud_names();
         self.add_use(&mut profile);
         profile
     }

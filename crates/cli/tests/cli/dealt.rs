@@ -93,6 +93,80 @@ fn plan_and_profile_know_ensembles() {
     }
 }
 
+/// The figures of Tanaka et al. 2016, Table 1, of a plane with 50 000 points on each unit of area. Its density is
+/// estimated to a percent.
+#[test]
+fn k_of_a_plane_is_n_l_over_n_raw_in_memory_and_from_a_store() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let plane = builtin(&folder, "plane", &[DENSE]);
+    done(&folder, &["prepare", "plane/plane.ply", "-o", "store/"]);
+    let text = fs::read_to_string(inside(&folder, &plane)).unwrap();
+    fs::write(inside(&folder, "stored.toml"), text.replace("plane.ply", "store")).unwrap();
+    let figures = |scene: &str, method: &str, size: &str, more: &[&str]| -> Value {
+        let args = ["profile", scene, "--method", method, "--size", size, "--json", "--frames", "1"];
+        let profile: Value = serde_json::from_str(&done(&folder, &[&args[..], more].concat())).unwrap();
+        let clouds = profile["ensembles"]["clouds"].as_array().unwrap();
+        assert_eq!((&profile["ensembles"]["L"], clouds.len()), (&Value::from(100), 1), "{profile}");
+        assert_eq!(clouds[0]["points"], 200_000);
+        clouds[0].clone()
+    };
+    let assert_near = |cloud: &Value, key: &str, wanted: f64| {
+        let found = cloud[key].as_f64().unwrap_or_else(|| panic!("{key} of {cloud}"));
+        assert!((found / wanted - 1.0).abs() < 0.01, "{key}: {found} for {wanted}");
+    };
+    for scene in [plane.as_str(), "stored.toml"] {
+        for (pixels, alpha) in [(24, 0.5f64), (100, 0.9)] {
+            let size = format!("{pixels}x{pixels}");
+            let cloud = figures(scene, "spbr", &size, &["--opacity", &alpha.to_string()]);
+            // The picture is 2.5 units high.
+            let n_raw = 50_000.0 * (2.5 / f64::from(pixels)).powi(2);
+            let k = -100.0 * (1.0 - alpha).ln() / n_raw;
+            for (key, wanted) in
+                [("n_raw", n_raw), ("k", k), ("adjusted", k * 200_000.0), ("alpha", alpha), ("asked", alpha)]
+            {
+                assert_near(&cloud, key, wanted);
+            }
+            let name = cloud["cloud"].as_str().unwrap();
+            assert!(name.ends_with(if scene == "stored.toml" { "store" } else { "plane.ply" }), "{name}");
+        }
+        // Every point once: a hundredth of 542.5 points lies on a pixel of an ensemble.
+        let cloud = figures(scene, "spbr-simplified", "24x24", &["--set", "method.brightness=1"]);
+        assert_near(&cloud, "alpha", 1.0 - (-5.425_347f64).exp());
+        assert_eq!((&cloud["adjusted"], &cloud["k"]), (&Value::from(200_000), &Value::from(1.0)));
+        assert!(cloud["asked"].is_null());
+    }
+}
+
+#[test]
+fn the_figures_of_table_1_are_told() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let plane = builtin(&folder, "plane", &[DENSE]);
+    let args = [plane.as_str(), "--size", "24x24", "--method", "spbr", "--opacity", "0.5"];
+    let (code, _, said) = run(&folder, &[&["render", "-v", "-o", "a.png", "--profile", "p.json"], &args[..]].concat());
+    assert_eq!(code, 0, "{said}");
+    let profile: Value = serde_json::from_str(&fs::read_to_string(inside(&folder, "p.json")).unwrap()).unwrap();
+    let line =
+        said.lines().find(|line| line.contains("plane.ply: α 0.5, L 100, n_raw 5")).unwrap_or_else(|| panic!("{said}"));
+    let k: f64 = line.rsplit_once(", k ").unwrap().1.parse().unwrap();
+    assert!((k / profile["ensembles"]["clouds"][0]["k"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{line}");
+    assert!(said.contains("adjustment of the numbers of points: "), "{said}");
+    let table = done(&folder, &[&["profile", "--frames", "1"], &args[..]].concat());
+    let told = line.split_once("plane.ply").unwrap().1;
+    assert!(table.contains(told) && table.contains("adjustment of the numbers of points: "), "{table}");
+    // A single point has no density, and a method without ensembles no figures.
+    let point = builtin(&folder, "plane", &["points=1"]);
+    let (_, _, said) = run(&folder, &["render", "-v", &point, "--size", "24x24", "--method", "spbr", "-o", "b.png"]);
+    assert!(said.contains("n_raw unknown on a pixel, points 1 adjusted to 100, k 100"), "{said}");
+    let (_, _, said) = run(&folder, &["render", "-v", &plane, "--size", "24x24", "--method", "points", "-o", "c.png"]);
+    assert!(!said.contains("n_raw"), "{said}");
+}
+
 #[test]
 fn too_few_points_for_an_opacity_are_said() {
     if !has_device() {

@@ -1,13 +1,13 @@
 //! The counts of a frame, which explain its plan, its times and its memory.
 
 use super::Outcome;
-use super::spbr::Form;
+use super::spbr::{Adjusted, Form};
 use crate::passes::bin::BinSurvey;
 use crate::passes::project::Stats;
 use crate::passes::raster::Walker;
 
 /// The counts of a frame.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Facts {
     /// Points of the scene, without those that [`Frame::detail`](super::Frame::detail) leaves out.
     pub points: u64,
@@ -60,6 +60,8 @@ pub struct Facts {
     /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of
     /// it.
     pub thin: Vec<ThinCloud>,
+    /// The adjustment of the numbers of points that are dealt to ensembles.
+    pub adjusted: Option<Adjusted>,
     /// Points that are not soft, of methods that tell; the others are.
     pub solid_points: u64,
     /// Splats of soft points among the visible ones.

@@ -46,6 +46,7 @@ fn by_hand() -> Profile {
             span(Phase::Compile, 25, 4),
         ],
         list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
+        clouds: Vec::new(),
         frames: vec![
             FrameProfile {
                 passes: vec![pass("x/a", 1, None, None), pass("x/b", 5, Some(128), Some(1 << 20))],

@@ -1,7 +1,8 @@
 //! The engine of `spbr` and `spbr-simplified`.
 
 use super::share::Share;
-use super::{Ensembles, Form, Scale, SpbrJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
+use super::window_pixels;
+use super::{Ensembles, Form, Scale, SpbrJob, adjusted, is_listed, least_bytes, shares, slots_of, stream, thin};
 use crate::methods::parts::Sums;
 use crate::methods::prelude::*;
 
@@ -61,6 +62,7 @@ impl Engine for EnsembleEngine {
         let slots = |share: &Share, drawn| slots_of(share, self.ensembles, drawn);
         facts.slots = shares.iter().map(|s| slots(s, drawn.end) - slots(s, drawn.start)).sum();
         facts.thin = thin(&shares);
+        facts.adjusted = adjusted(cloud, frame);
         facts.listed = is_listed(&shares);
         facts.streamed = streamed;
         if !work.survey {
@@ -102,6 +104,7 @@ impl Engine for EnsembleEngine {
         sums: &SamplePart,
     ) -> Result<(), Error> {
         work.facts.ensembles = work.samples.end;
+        work.facts.adjusted = adjusted(cloud, work.frame);
         let scale = Scale::new(self.ensembles, cloud.max_color(&work.frame.projecting_points(cloud)));
         buffers.resources.own.of::<Ensembles>(work.device)?.resolve(work, scale, sums)?;
         work.finish();

@@ -9,6 +9,7 @@
 //! its own (1 in orthographic views), p = ln(1 − α) / ln(1 − α of its cloud), t = |cos θ| between normal and view
 //! unless `cos_theta`. Below 1 it is one pixel with that probability, above it a square.
 
+mod adjustment;
 mod engine;
 mod ensembles;
 mod job;
@@ -19,6 +20,7 @@ pub mod stream;
 mod tasks;
 mod variants;
 
+pub use adjustment::{Adjusted, Adjustment};
 pub(crate) use engine::{EnsembleEngine, pass_group};
 pub use ensembles::{Drawn, Ensembles};
 pub use job::{Scale, SpbrJob};
@@ -62,13 +64,24 @@ pub fn window_pixels(budget: Budget, spread: bool) -> u64 {
 /// Returns the shares of a frame, if its points were dealt.
 pub fn shares(cloud: &DeviceCloud, frame: &Frame) -> Result<Vec<Share>, Error> {
     let placed: &[Placed] = cloud.surfaces().ok_or(Error::NotDealt)?;
-    let wanted = Wanted {
+    let wanted = wanted(frame);
+    Ok(placed.iter().map(|p| wanted.share(p)).collect())
+}
+
+/// Returns the adjustment of the numbers of points in a frame; `None` if they were not dealt.
+pub fn adjusted(cloud: &DeviceCloud, frame: &Frame) -> Option<Adjusted> {
+    let (placed, wanted): (&[Placed], _) = (cloud.surfaces()?, wanted(frame));
+    let clouds = placed.iter().map(|p| wanted.adjustment(p)).collect();
+    Some(Adjusted { ensembles: frame.method.ensembles()?, clouds })
+}
+
+fn wanted(frame: &Frame) -> Wanted<'_> {
+    Wanted {
         camera: &frame.camera,
         height: frame.size[1],
         method: frame.method,
         opacity_factor: f64::from(frame.factors.opacity),
-    };
-    Ok(placed.iter().map(|p| wanted.share(p)).collect())
+    }
 }
 
 /// Most pixels that a point may cover.

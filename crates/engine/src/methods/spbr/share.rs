@@ -63,16 +63,24 @@ impl Share {
 }
 
 impl Wanted<'_> {
+    /// Returns the points on a pixel's area at a depth, all of them.
+    pub(super) fn per_pixel(&self, placed: &Placed, depth: f64) -> f64 {
+        let pixel = self.camera.pixels_per_unit(depth, self.height).recip();
+        placed.surface.density * pixel * pixel
+    }
+
+    /// Returns the opacity that is asked for a cloud's surface.
+    pub(super) fn opacity(&self, placed: &Placed) -> f64 {
+        (f64::from(placed.surface.opacity) * self.opacity_factor).min(1.0)
+    }
+
     /// Returns the share of a cloud.
     pub fn share(&self, placed: &Placed) -> Share {
         let surface = &placed.surface;
         let ensembles = f64::from(self.method.ensembles().unwrap_or(1));
         let count = surface.points.end - surface.points.start;
         let depth = placed.depth(self.camera);
-        let pixel = self.camera.pixels_per_unit(depth, self.height).recip();
-        // Points on a pixel's area, all of them.
-        let there = surface.density * pixel * pixel;
-        let alpha = (f64::from(surface.opacity) * self.opacity_factor).min(1.0);
+        let (there, alpha) = (self.per_pixel(placed, depth), self.opacity(placed));
         let needed = -(-alpha).ln_1p();
         let simplified = matches!(self.method, Method::SpbrSimplified(_));
         let ratio = match needed {
@@ -106,7 +114,7 @@ mod tests {
 
     use super::*;
     use crate::prepare::ensembles::CloudSurface;
-    use crate::scene::Spbr;
+    use crate::scene::{Spbr, SpbrSimplified};
 
     /// A cloud of 1000 points in a cube of side 2, 10 on each unit of area, before a camera at `z`.
     fn share(z: f64, opacity: f32, height: u32) -> Share {
@@ -128,6 +136,42 @@ mod tests {
             assert!((share(z, 0.5, 10).depth - depth).abs() < 1e-12, "{z}");
         }
         assert!((share(5.0, 0.5, 10).largest - (5.0f64 / 4.0).powi(2)).abs() < 1e-12);
+    }
+
+    /// Figures of Tanaka et al. 2016, Table 1, for points on a plane of known density: k = nL / n_raw.
+    #[test]
+    fn a_plane_of_known_density_is_adjusted_by_n_l_over_n_raw() {
+        // A pixel of 0.1 × 0.1 world units has 10 · 0.01 = 0.1 points.
+        let lens = Projection::Orthographic { height: 1.0 };
+        let camera = Camera::look_at(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, lens, 0.1, 100.0).expect("a valid camera");
+        let surface = CloudSurface { points: 7..1007, center: DVec3::ZERO, density: 10.0, opacity: 0.05 };
+        let flat = Placed { surface, corners: [DVec3::ZERO; 8], uniform: true };
+        let of = |method, opacity_factor, placed: &Placed| {
+            Wanted { camera: &camera, height: 10, method, opacity_factor }.adjustment(placed)
+        };
+        let spbr = Method::Spbr(Spbr { ensembles: 100, ..Spbr::default() });
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-6 * b, "{a} for {b}");
+        // n = −ln 0.95 = 0.0512933, so k = 51.2933.
+        let asked = of(spbr, 1.0, &flat);
+        close(asked.per_pixel.unwrap(), 0.1);
+        assert_eq!((asked.points, asked.adjusted), (1000, 51_293));
+        close(asked.ratio(), 51.293);
+        close(asked.opacity.unwrap(), 0.05);
+        // Twice the opacity: 0.1053605 of the points that a pixel has, where 0.1 are there. All are used in all
+        // ensembles, and the surface has 1 − e^(−0.1).
+        let lost = of(spbr, 2.0, &flat);
+        assert_eq!(lost.adjusted, 100_000);
+        close(lost.asked.unwrap(), 0.1);
+        close(lost.opacity.unwrap(), 0.095_162_58);
+        // Dealt once to 4 ensembles, a pixel of each has 0.025 points: 1 − e^(−0.025).
+        let simplified = Method::SpbrSimplified(SpbrSimplified { ensembles: 4, ..SpbrSimplified::default() });
+        let follows = of(simplified, 1.0, &flat);
+        assert_eq!((follows.adjusted, follows.asked), (1000, None));
+        close(follows.opacity.unwrap(), 0.024_690_09);
+        // Too few points to know a density are drawn in each ensemble.
+        let alone = CloudSurface { points: 0..1, density: 0.0, ..flat.surface.clone() };
+        let unknown = of(spbr, 1.0, &Placed { surface: alone, ..flat });
+        assert_eq!((unknown.per_pixel, unknown.opacity, unknown.adjusted), (None, None, 100));
     }
 
     #[test]
