@@ -78,7 +78,8 @@ device_suites=(gpu cli)
 # Suites that run beside them: on the host alone, with small pictures, or waiting for windows most of the time. Units
 # and examples are among them. `cargo test` without any target would build all examples, which clippy does faster.
 # `lab` is the last suite: it uses the device, too, and takes as long as all others.
-units=(--lib --example drivers --example gpu-shape --example layers-experiments --example study)
+units=(--lib)
+for name in drivers gpu-shape layers-experiments soft-experiments spbr-experiments study; do units+=(--example "$name"); done
 other_suites=()
 for name in $(binaries | sort -u); do
     if [[ " lab ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
