@@ -114,9 +114,9 @@ pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     if let Some(soft) = method.soft() {
         let model = SoftModel::new(method, soft, Parts::count(points, soft.threshold).median_radius);
         // Settings differ only in how they form the same image; `pixels_per_shell` is the scene's.
-        let Soft { shells, layout, equalize, .. } = Soft::default();
+        let Soft { shells, layout, equalize, long_lists, .. } = Soft::default();
         let density = Density::Softness(model.peak);
-        return Some(Method::SoftBase(Soft { density, shells, layout, equalize, ..*soft }));
+        return Some(Method::SoftBase(Soft { density, shells, layout, equalize, long_lists, ..*soft }));
     }
     if let Method::Spbr(spbr) = method {
         return Some(Method::Spbr(Spbr { ensembles: Spbr::default().ensembles, brighten: false, ..*spbr }));

@@ -525,7 +525,8 @@ impl Session {
     }
 
     /// Returns the passes of the frame, each with its reason; that of the first, which takes the points, also says how
-    /// clouds are colored, and where no point is soft though the method is made for those. Lists are counted as for a profile, except for methods without lists.
+    /// clouds are colored, and where no point is soft though the method is made for those. Lists are counted as for a
+    /// profile, except for methods without lists.
     ///
     /// # Errors
     /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.

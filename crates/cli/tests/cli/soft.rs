@@ -71,7 +71,7 @@ fn models_are_not_judged_where_nothing_is_soft() {
         return;
     }
     let folder = scene();
-    let args = ["tradeoff", "scene.toml", "--method", "soft-base", "--quick", "--time", "20", "--json", "-o", "report"];
+    let args = ["tradeoff", "scene.toml", "--method", "soft-base", "--quick", "--time", "20", "--json", "-o", "r"];
     let (stdout, stderr) = said(&folder, &args);
     assert!(stderr.contains("0 of 4 points are soft"), "{stderr}");
     let report: Value = serde_json::from_str(&stdout).unwrap();

@@ -11,7 +11,7 @@ use pellucid_reference::View;
 use pellucid_reference::shading::shade;
 use pellucid_reference::soft::{self, Behind, Model};
 use pellucid_scene::prepare::order;
-use pellucid_scene::{Density, Method, Shells, Soft, SoftLayout, SoftMethod};
+use pellucid_scene::{Density, LongLists, Method, Shells, Soft, SoftLayout, SoftMethod};
 use pellucid_testing::*;
 use rand::RngExt;
 
@@ -371,6 +371,53 @@ fn cuts_into_windows_and_bands_do_not_show() {
                     assert!(bytes(&cut) == bytes(&whole), "{method:?} {budget}");
                 }
             }
+        }
+    });
+}
+
+/// The same method with its long lists sorted in place.
+fn in_place(method: Method) -> Method {
+    let change = |soft: &mut Soft| soft.long_lists = LongLists::InPlace;
+    method.as_soft().expect("a soft method").changed(change).into()
+}
+
+#[test]
+fn long_lists_sorted_in_place_give_the_bytes_of_the_merge() {
+    with_device(|device| {
+        // Lists of a few events to many runs of them; coincident spheres have events at equal depths.
+        let twins = soup_of(21, 450, 0.3..0.9).into_iter().flat_map(|s| [s, s]).collect::<Vec<_>>();
+        let solid: Vec<S> = soup_of(8, 60, 0.02..0.3).into_iter().map(|s| S { field: 0.1, ..s }).collect();
+        let clouds = [twins, [soup_of(7, 900, 0.3..0.9), solid].concat()];
+        let packed = Method::SoftBase(Soft { layout: SoftLayout::Paper, ..softness(0.1) });
+        for method in methods(softness(0.1)).into_iter().chain([packed]) {
+            for spheres in &clouds {
+                let of = |method| rendered(device, spheres, &frame(perspective(), [31, 20], method)).expect("renders");
+                let (merged, sorted) = (of(method), of(in_place(method)));
+                let names = |rendered: &Rendered| rendered.profile.passes.iter().map(|p| p.name).collect::<Vec<_>>();
+                let most = merged.facts.max_events;
+                assert!(most > 256, "{most}: there are long lists");
+                assert!(names(&merged).contains(&"abuffer/merge"), "{method:?}");
+                let used = names(&sorted);
+                assert!(used.contains(&"abuffer/merge-in-place") && !used.contains(&"abuffer/merge"), "{used:?}");
+                assert!(bytes(&sorted) == bytes(&merged), "{method:?}, {most} events");
+                // In bands as well.
+                let tight = Frame { memory_budget: Some(1 << 20), ..frame(perspective(), [31, 20], in_place(method)) };
+                assert!(bytes(&rendered(device, spheres, &tight).expect("renders")) == bytes(&merged), "{method:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn too_long_a_list_to_sort_in_place_says_so() {
+    with_device(|device| {
+        // One list of one event more than there may be.
+        let most = pellucid_engine::methods::abuffer::in_place_length();
+        let spheres = vec![sphere(beside(0.5, 10.0), 2.0); most as usize / 2 + 1];
+        let frame = frame(pixel_camera([1, 1]), [1, 1], in_place(Method::SoftBase(softness(1e-5))));
+        match rendered(device, &spheres, &frame) {
+            Err(Error::ListTooLong { length, most: limit }) => assert!(length > limit && limit == most, "{length}"),
+            other => panic!("{:?}", other.map(|rendered| rendered.facts)),
         }
     });
 }

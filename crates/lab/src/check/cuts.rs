@@ -3,7 +3,7 @@
 
 use super::prelude::*;
 use super::{Lack, Verdict};
-use pellucid_scene::{Density, DiscShape, Family, LongLists, Shells, Soft};
+use pellucid_scene::{Density, DiscShape, Family, LongLists, Setting, Shells, Soft};
 
 pub(super) fn cases() -> Vec<Case> {
     let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };
@@ -16,11 +16,15 @@ pub(super) fn cases() -> Vec<Case> {
     let spheres = Family::Soft.methods().map(|method| with_soft(method, soft));
     let cut: Vec<Method> = discs.chain(splats).chain(spheres).collect();
     let in_place = [Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..oriented })];
+    let events = Family::Soft.methods().filter(|method| method.key("long_lists").is_some());
+    let events: Vec<Method> = events.map(|method| with_soft(method, soft)).collect();
     joined([
         each(&cut, "budget", budget).about("cut by a memory budget: no byte changes"),
         each(&in_place, "in-place", in_place_bytes).about("4000 fragments sorted in place: the bytes of the merge"),
         each(&[Method::ABuffer(oriented)], "beyond-a-binding", beyond)
             .about("more fragments than one binding holds, against float64"),
+        each(&events, "events-in-place", in_place_events)
+            .about("600 events and more sorted in place: the bytes of the merge"),
     ])
 }
 
@@ -78,6 +82,18 @@ fn in_place_bytes(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     let pixels = (size[0] * size[1]) as usize;
     let naive = bytes_between(&vec![over(&dots); pixels], &vec![over(&by_depth); pixels]);
     Ok(Finding::new(bytes_apart(&merged, &sorted), 0.0, naive))
+}
+
+fn in_place_events(stage: &mut CaseRenderer, method: Method) -> CaseResult {
+    let dots = crowd(300, 60.0);
+    let size = [4, 3];
+    let sorted = |word: &str| method.with("long_lists", Setting::Word(word.to_owned())).unwrap_or(method);
+    let [merged, in_place] = ["merge", "in-place"].map(|word| stage.image(&dots, pixels(size), size, sorted(word)));
+    let (merged, in_place) = (merged?, in_place?);
+    let points = cloud(&dots);
+    let facts = stage.render(&points, &Frame::new(pixels(size), size, sorted("in-place")))?.facts;
+    let error = if facts.max_events >= 600 { bytes_apart(&merged, &in_place) } else { f64::INFINITY };
+    Ok(Finding::stated(error, 0.0, "a merge that is cut off leaves runs that are sorted by themselves alone"))
 }
 
 /// Layers of [`beyond`].

@@ -14,7 +14,7 @@ settings! {
         /// Rasterization by compute shaders or by the hardware rasterizer; the picture is the same.
         raster: Raster = Raster::Auto;
         /// Sorting of long lists of fragments; the picture is the same.
-        long_lists: LongLists = LongLists::Merge, only &["abuffer", "linked-list"];
+        long_lists: LongLists = LongLists::Merge, only LISTED;
         /// Footprint and order of Gaussians.
         gaussians: GaussianSettings = GaussianSettings::default();
     }
@@ -100,6 +100,9 @@ words! {
         Hardware = "hardware",
     }
 }
+
+/// Methods that sort lists of fragments, or of events.
+pub(super) const LISTED: &[&str] = &["abuffer", "linked-list", "soft-base", "soft-concentric"];
 
 words! {
     /// Way to sort lists that are too long for one invocation's registers.

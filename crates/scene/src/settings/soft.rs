@@ -1,5 +1,6 @@
 //! Soft spheres, and the one transparent layer: methods that tell soft points from solid ones.
 
+use super::discs::{LISTED, LongLists};
 use crate::error::Error;
 use crate::schema::{Key, Ladder, Range, SettingsField, Slider, ValueKind, keys, rounded, settings, value, words};
 use crate::setting::Setting;
@@ -20,11 +21,14 @@ settings! {
         shells: Shells = Shells::Adaptive, without "adaptive", start 8.0, tried SHELLS;
         /// Thickness of an adaptive shell (soft-concentric).
         pixels_per_shell: f32 = 4.0, in Range::POSITIVE, unit "pixels", slider Slider::Linear(1.0, 16.0);
-        /// Weigh the density of each shell by the distance of the ray from the center (soft-concentric, Eq. 15); without
-        /// it shells are of constant density for all rays (Eq. 13), which shows where each of a few shells ends.
+        /// Weigh the density of each shell by the distance of the ray from the center (soft-concentric, Eq. 15);
+        /// without it shells are of constant density for all rays (Eq. 13), which shows where each of a few shells
+        /// ends.
         equalize: bool = true, only &["soft-concentric"];
         /// Storage layout of a sphere on a ray (soft-base).
         layout: SoftLayout = SoftLayout::Precise;
+        /// Sorting of long lists of fragments; the picture is the same.
+        long_lists: LongLists = LongLists::Merge, only LISTED;
     }
     check agree;
 }

@@ -222,6 +222,16 @@ fn soft_points_and_layers_of_them_are_planned_as_they_run() {
                 assert_eq!(has(&planned, "soft/compose"), has(&planned, "splats/normalize"), "{planned:?}");
             }
         }
+        // Long lists of events, merged and in place.
+        let crowd = stage.builtin("spheres", &["count=8000"]);
+        for (way, pass) in [("merge", "abuffer/merge"), ("in-place", "abuffer/merge-in-place")] {
+            let way = format!("method.long_lists={way}");
+            for method in ["soft-base", "soft-concentric"] {
+                let planned = stage.planned(&[&crowd, "--size", "24x24", "--method", method, "--set", &way]);
+                let merges: Vec<_> = planned.into_iter().filter(|name| name.starts_with("abuffer/merge")).collect();
+                assert_eq!(merges, [pass], "{method}");
+            }
+        }
         // Soft discs before solid points: with many of either, with few, and in several regions.
         for args in [&["--size", "40x30"][..], &["--size", "1024x1024", "--memory-budget", "800KiB"]] {
             for (threshold, seen) in [("0", true), ("0.5", true), ("1", false)] {

@@ -17,7 +17,7 @@ use super::Frame;
 use super::explain::{Absent, PassGroup};
 use super::soft::{Interior, SpheresEngine};
 use crate::output::deep::{Sample, State};
-use crate::scene::{ColorSpace, Discs, Error, Kernel, LongLists, Method, Order, Peel};
+use crate::scene::{ColorSpace, Discs, Error, Kernel, LongLists, Method, Order, Peel, Soft};
 
 /// Returns the passes of samples.
 pub(crate) fn pass_group() -> PassGroup {
@@ -49,7 +49,7 @@ impl DeepSource {
             Method::Peel(Peel { discs, layers }) => Some(Self::Discs(merged(discs), layers)),
             Method::SoftConcentric(soft) => {
                 let interior = Interior::Shells(soft.shells, soft.pixels_per_shell);
-                Some(Self::Shells(SpheresEngine { soft, interior }))
+                Some(Self::Shells(SpheresEngine { soft: Soft { long_lists: LongLists::Merge, ..soft }, interior }))
             }
             _ => None,
         }

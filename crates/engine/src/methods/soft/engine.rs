@@ -33,6 +33,11 @@ impl SpheresEngine {
         Projecting { relative_depth: true, shells, ..projecting(frame, cloud, &self.soft, kind.footprint()) }
     }
 
+    /// Returns settings of discs that sort long lists as those of the soft points say.
+    fn sorting(&self) -> Discs {
+        Discs { long_lists: self.soft.long_lists, ..Discs::default() }
+    }
+
     /// Hands the lists of a window's soft points, which lie before its layer, to `go_on`; `None` if the window must be
     /// cut.
     fn soft_points<T>(
@@ -62,7 +67,7 @@ impl SpheresEngine {
         let spheres = Spheres { kind, model, max_radius, origin: cloud.depth_origin(), layer };
         spheres.check(&frame.method, cloud.len())?;
         let stop = compose::stop(frame.stop, frame.color, cloud.max_color(&how));
-        let (discs, shown) = (Discs::default(), abuffer::Shown::First);
+        let (discs, shown) = (self.sorting(), abuffer::Shown::First);
         let job = abuffer::ListsJob { raster, discs, storing: &spheres, stop, shown, budget, samples: None };
         let found = go_on(&mut resources.lists, work, &job, layer)?;
         resources.soft_counted = true;
@@ -182,7 +187,7 @@ impl Explain for SpheresEngine {
     }
 
     fn explain(&self, plan: &mut FramePlan<'_>) {
-        explain::spheres(plan, self.soft.threshold, self.interior);
+        explain::spheres(plan, &self.soft, self.interior);
     }
 }
 

@@ -6,6 +6,7 @@ use crate::methods::explain::{Absent, FramePlan, NOTHING, ORDER, PRESORTED, Pass
 use crate::methods::splats::explain_solids;
 use crate::passes::bin;
 use crate::prepare::axes::Axis;
+use crate::scene::{LongLists, Soft};
 
 /// Passes of soft spheres that only long lists need; the optical depths of segments only where density varies within a
 /// sphere.
@@ -28,8 +29,8 @@ fn sphere_passes() -> Vec<&'static str> {
 }
 
 /// Solid points as opaque splats, and soft ones as spheres before them.
-pub(super) fn spheres(plan: &mut FramePlan<'_>, threshold: f32, interior: Interior) {
-    let (facts, why) = (plan.facts, plan.why);
+pub(super) fn spheres(plan: &mut FramePlan<'_>, settings: &Soft, interior: Interior) {
+    let (facts, why, threshold) = (plan.facts, plan.why, settings.threshold);
     plan.projected();
     let solid = facts.solid_points;
     let soft = facts.points.saturating_sub(solid);
@@ -40,7 +41,7 @@ pub(super) fn spheres(plan: &mut FramePlan<'_>, threshold: f32, interior: Interi
     if soft == 0 {
         plan.scan(counters, "counters of digits and tiles");
     } else {
-        events(plan, &softs, counters, interior);
+        events(plan, &softs, counters, (interior, settings.long_lists));
     }
     plan.add("soft/compose", solid > 0, format!("{softs}, in front of {solids}"));
     plan.rest(&sphere_passes(), &softs);
@@ -49,7 +50,7 @@ pub(super) fn spheres(plan: &mut FramePlan<'_>, threshold: f32, interior: Interi
 }
 
 /// Events of spheres in lists.
-fn events(plan: &mut FramePlan<'_>, softs: &str, counters: u64, interior: Interior) {
+fn events(plan: &mut FramePlan<'_>, softs: &str, counters: u64, (interior, way): (Interior, LongLists)) {
     let facts = plan.facts;
     let seen = facts.soft_visible > 0;
     let any = facts.fragments > 0;
@@ -68,11 +69,11 @@ fn events(plan: &mut FramePlan<'_>, softs: &str, counters: u64, interior: Interi
     for name in BY_LENGTH {
         plan.add(name, any, pick("pixels are grouped by the length of their lists, as each length has its own kernel"));
     }
-    kernels(plan, facts.max_events, interior.is_integrated());
+    kernels(plan, facts.max_events, interior.is_integrated(), way);
 }
 
 /// The kernels of the lengths that occur, for events of soft spheres.
-fn kernels(plan: &mut FramePlan<'_>, longest: u32, integrated: bool) {
+fn kernels(plan: &mut FramePlan<'_>, longest: u32, integrated: bool, way: LongLists) {
     let reason = |on: bool, least: u32, most: u32| match on {
         true => format!("lists of {least} to {most} events (longest: {longest})"),
         false => format!("no list has {least} events or more (longest: {longest})"),
@@ -83,8 +84,12 @@ fn kernels(plan: &mut FramePlan<'_>, longest: u32, integrated: bool) {
     }
     let long = longest > LOCAL_LENGTH;
     let reason = reason(long, LOCAL_LENGTH + 1, longest.max(LOCAL_LENGTH));
-    for name in ["abuffer/split", "abuffer/run-groups", "abuffer/sort-runs", "abuffer/merge"] {
+    for name in ["abuffer/split", "abuffer/run-groups", "abuffer/sort-runs"] {
         plan.add(name, long, reason.clone());
+    }
+    for (name, of) in [("abuffer/merge", LongLists::Merge), ("abuffer/merge-in-place", LongLists::InPlace)] {
+        let other = format!("long_lists = \"{}\"", way.word());
+        plan.add(name, long && way == of, if way == of || !long { reason.clone() } else { other });
     }
     for name in LONG {
         let on = long && (integrated || name != "soft/segments");

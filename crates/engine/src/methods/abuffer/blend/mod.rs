@@ -249,16 +249,18 @@ impl Blender {
         Ok(self.runs_of(blending, fragments))
     }
 
-    /// Records the long lists in sorted runs, merged through the spare buffer; `None` if no list is long.
+    /// Records the long lists in runs, sorted as the settings say; `None` if no list is long.
     pub(in crate::methods) fn record_long_lists<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
         blending: &Blending<'a>,
     ) -> Result<Option<Runs<'a>>, super::Error> {
-        let Blending { stored, ref band, lengths, .. } = *blending;
-        let (true, Some(spare)) = (lengths.in_long_lists > 0, stored.spare) else { return Ok(None) };
+        let Blending { ref job, stored, ref band, lengths, .. } = *blending;
+        if lengths.in_long_lists == 0 {
+            return Ok(None);
+        }
         self.record_split(recorder, stored, band)?;
-        let fragments = self.record_merge_sort(recorder, stored.fragments, spare, lengths.longest)?;
+        let fragments = self.record_sort(recorder, job, stored, lengths.longest)?;
         Ok(Some(self.runs_of(blending, fragments)))
     }
 
