@@ -58,7 +58,8 @@ impl Surfaces {
         if self.normals { Method::Splats(settings) } else { Method::Hqs(settings) }
     }
 
-    /// Returns all methods of opaque points with the settings of one of them, its size or its radius in pixels included.
+    /// Returns all methods of opaque points with the settings of one of them, its size or its radius in pixels
+    /// included.
     pub fn alike(&self, method: &Method) -> Vec<Method> {
         let splats = own_splats(method).copied().unwrap_or(self.splats);
         let interpolated = Interpolated { splats, shape: self.shape };

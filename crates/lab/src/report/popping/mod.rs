@@ -119,8 +119,8 @@ pub struct Refused {
 /// The popping of some methods along a path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Popping {
-    /// The method that made the exact frames, or for opaque points those of their surfaces, with its settings where they
-    /// are not the scene's.
+    /// The method that made the exact frames, or for opaque points those of their surfaces, with its settings where
+    /// they are not the scene's.
     pub exact: String,
     /// Number of frames.
     pub frames: u32,
