@@ -49,7 +49,8 @@ a quarter and a 16th of them (\"thinning\"; a scene file has no key for it). The
 Shadows: With [shadows] and a light_radius the scene's own method is rendered with 1 to 30 samples and with many.
 
 Camera paths: With --path or --turntable the report has the popping of each method: the change of its error from one frame to the \
-next. For Gaussians the reference is then abuffer with order = \"pixel\", because an order of centers pops.
+next. For Gaussians the reference is then abuffer with order = \"pixel\", because an order of centers pops. Opaque methods are \
+followed with the scene's settings, against three-pass splats with up to 4 x 4 samples per pixel.
 
 Errors: The reference is the image of abuffer, which is checked against the float64 reference on 256 random pixels. Errors are \
 measured on linear R, G, B over the scene's background. For soft spheres the reference is soft-base in float64 at all pixels, in front \
@@ -148,10 +149,10 @@ impl TradeoffArgs {
         if prepared.assembled.stored().is_some() {
             return Err(usage(IN_FILES));
         }
-        if popping::exact(&method, points).is_none() {
+        if popping::reference(&method, points).is_none() {
             let name = method.name();
             return Err(usage(format!(
-                "{option} measures popping of transparent discs and soft spheres, not of {name}"
+                "{option} measures popping of discs, soft spheres and opaque points, not of {name}"
             )));
         }
         match cameras.len() {
@@ -176,7 +177,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let along = args.course(console)?;
     let size = along.as_ref().and_then(Along::size);
     let mut request = Request { frame, ..args.input.request(size, &progress)? };
-    request.wanted.radii = along.is_none();
+    request.wanted.radii = true;
     let (prepared, stated) = match along {
         Some(along) => along.prepare(request, &progress)?,
         None => {

@@ -2,6 +2,7 @@
 
 mod check;
 mod determinism;
+mod popping;
 mod profiler;
 mod stopped;
 mod stores;

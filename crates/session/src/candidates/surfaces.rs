@@ -58,6 +58,26 @@ impl Surfaces {
         if self.normals { Method::Splats(settings) } else { Method::Hqs(settings) }
     }
 
+    /// Returns all methods of opaque points with the settings of one of them, its size or its radius in pixels
+    /// included.
+    pub fn alike(&self, method: &Method) -> Vec<Method> {
+        let splats = own_splats(method).copied().unwrap_or(self.splats);
+        let interpolated = Interpolated { splats, shape: self.shape };
+        let blended = |shape| self.blended(splats.size.into(), shape);
+        let all = [
+            Method::Points,
+            Method::Squares(splats),
+            Method::Circles(splats),
+            Method::Paraboloid(interpolated),
+            Method::Cone(interpolated),
+            Method::Sphere(splats),
+            Method::Hqs(blended(self.shape)),
+            Method::ImageSpace(self.filters),
+        ];
+        let oriented = self.normals.then(|| Method::Splats(blended(SplatShape::default())));
+        all.into_iter().chain(oriented).collect()
+    }
+
     /// Returns the scene's splats with another size.
     pub fn sized(&self, size: f64) -> ScreenSplats {
         ScreenSplats { size: size as f32, ..self.splats }
@@ -74,9 +94,42 @@ impl Surfaces {
     }
 }
 
+/// Returns the splats of a method; `None` of one without.
+fn own_splats(method: &Method) -> Option<&ScreenSplats> {
+    match method {
+        Method::Squares(splats) | Method::Circles(splats) | Method::Sphere(splats) => Some(splats),
+        Method::Paraboloid(settings) | Method::Cone(settings) => Some(&settings.splats),
+        Method::Hqs(settings) | Method::Splats(settings) => Some(&settings.splats),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_methods_have_the_size_of_the_scene_s() {
+        let splats = ScreenSplats { size: 3.0, ..ScreenSplats::default() };
+        let sizes = |method: Method, normals: bool| -> Vec<_> {
+            let points = Points { normals: normals.then(Vec::new), ..Points::default() };
+            let all = Surfaces::for_method(&method, &points).unwrap().alike(&method);
+            all.iter().map(|method| (method.name(), own_splats(method).map(|splats| splats.size))).collect()
+        };
+        let found = sizes(Method::Circles(splats), false);
+        let names = ["points", "squares", "circles", "paraboloid", "cone", "sphere", "hqs", "image-space"];
+        assert_eq!(found.iter().map(|(name, _)| *name).collect::<Vec<_>>(), names);
+        assert!(found.iter().all(|(_, size)| size.is_none_or(|size| size == 3.0)), "{found:?}");
+        let found = sizes(Method::Points, true);
+        assert_eq!(found.last(), Some(&("splats", Some(1.0))));
+        // A radius in pixels is that of flat splats and reliefs; blended ones have those of the points.
+        let pixels = ScreenSplats { pixel_radius: Some(2.0), ..splats };
+        let of = |method: &Method| own_splats(method).map(|splats| splats.pixel_radius);
+        let method = Method::Squares(pixels);
+        let all = Surfaces::for_method(&method, &Points::default()).unwrap().alike(&method);
+        let found: Vec<_> = all.iter().filter_map(of).collect();
+        assert_eq!(found, [[Some(2.0); 5].as_slice(), &[None]].concat());
+    }
 
     #[test]
     fn the_scene_s_settings_are_kept_but_for_the_size() {

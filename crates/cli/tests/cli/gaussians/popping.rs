@@ -113,6 +113,35 @@ fn a_rendered_path_tells_how_it_pops() {
     assert!(numbers(&same[1..], "popping_rmse").iter().chain(&numbers(&same, "error_rmse")).all(|e| *e == Some(0.0)));
 }
 
+/// Circles of the sign change their order as the camera turns, and the report says so.
+#[test]
+fn opaque_points_are_followed_against_their_surfaces() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "sign", &["points=4000"]);
+    let key = |x: f64| serde_json::json!({"eye": [x, -0.4, 2.3], "target": [0.07, 0.02, 0.0]});
+    let path = serde_json::json!({"version": 1, "keys": [key(0.7), key(0.4)]});
+    fs::write(inside(&folder, "path.json"), path.to_string()).unwrap();
+    let start = ["tradeoff", &scene, "-q", "--size", "60x40", "-o", "report", "--quick", "--time", "900", "--json"];
+    let methods = ["points", "squares", "circles", "paraboloid", "hqs"];
+    let only = methods.map(|method| ["--only", method]).concat();
+    let args = [&start[..], &only, &["--method", "points", "--path", "path.json", "--frames", "8"]].concat();
+    let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
+    assert_eq!(report["popping"]["exact"], "splats with 4 × 4 samples in a pixel");
+    let figure = |method: &str, key: &str| curve(&report, method, "")[key].as_f64().unwrap();
+    for method in methods {
+        assert!(figure(method, "mean_rmse") > 1e-3 && figure(method, "rolled_rmse") > 1e-3, "{report}");
+    }
+    assert!(figure("circles", "mean_rmse") > figure("paraboloid", "mean_rmse"), "{report}");
+    let findings = report["findings"].as_array().unwrap();
+    let finding = findings.iter().find(|finding| finding["claim"].as_str().unwrap().contains("flicker")).unwrap();
+    assert!(finding["measured"].as_str().unwrap().contains("circles ") && finding["holds"].is_boolean(), "{finding}");
+    let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
+    assert!(page.contains("rolls about its own axis"));
+}
+
 #[test]
 fn popping_without_a_path_or_an_exact_method_is_refused() {
     let folder = folder();
@@ -121,7 +150,7 @@ fn popping_without_a_path_or_an_exact_method_is_refused() {
     let with = |more: &[&'static str]| [&tradeoff[..], more].concat();
     assert_refused(&folder, &with(&["--frames", "3"]), 2, &["--frames 3 needs --path or --turntable"]);
     assert_refused(&folder, &with(&["--turntable"]), 2, &["--turntable needs the number of its frames"]);
-    let opaque = with(&["--turntable", "--frames", "3", "--method", "circles"]);
-    assert_refused(&folder, &opaque, 2, &[", not of circles"]);
+    let filtered = with(&["--turntable", "--frames", "3", "--method", "peel-layers"]);
+    assert_refused(&folder, &filtered, 2, &[", not of peel-layers"]);
     assert_refused(&folder, &["render", &scene, "--popping", "a.csv"], 2, &["--popping needs --path or --turntable"]);
 }

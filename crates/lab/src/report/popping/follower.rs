@@ -11,6 +11,8 @@ pub struct Follower {
     /// The error of the last frame, pixel by pixel.
     before: Option<Vec<[f32; 3]>>,
     frames: Vec<FrameError>,
+    /// RMSE of the changes where the camera only rolls.
+    rolled: Vec<f64>,
 }
 
 impl Follower {
@@ -43,9 +45,20 @@ impl Follower {
         found
     }
 
+    /// Takes a frame that follows the last one instead of the next, by a camera that only rolls, and keeps the RMSE of
+    /// the change of the error to it.
+    pub fn add_rolled(&mut self, exact: &LinearImage, image: &LinearImage) {
+        if let Some(before) = &self.before {
+            let error = errors(exact, image);
+            self.rolled.push(metrics::rmse(before, &error));
+        }
+    }
+
     /// The curve of a method.
     pub fn curve(self, candidate: &Candidate) -> Curve {
-        Curve::new(candidate, self.frames)
+        let mean = self.rolled.iter().sum::<f64>() / self.rolled.len() as f64;
+        let rolled_rmse = (!self.rolled.is_empty()).then_some(mean);
+        Curve { rolled_rmse, ..Curve::new(candidate, self.frames) }
     }
 }
 
@@ -119,6 +132,20 @@ mod tests {
         // The change is measured by itself, however bright the frame is.
         let bright = curve(&[([1e6; 4], [1e6; 4]), ([1e6; 4], [1e6 + 0.5, 1e6, 1e6, 1e6])]);
         assert_eq!(bright.worst_rmse, 0.25);
+    }
+
+    #[test]
+    fn a_camera_that_rolls_is_apart_from_the_path() {
+        let mut follower = Follower::default();
+        let exact = [0.25; 4];
+        // Nothing is before the first frame.
+        follower.add_rolled(&image(exact), &image([1.0; 4]));
+        follower.add(&image(exact), &image(exact));
+        follower.add_rolled(&image(exact), &image([0.75, 0.25, 0.25, 0.25]));
+        follower.add(&image(exact), &image(exact));
+        let found = follower.curve(&Candidate { method: Method::Sorted(Discs::default()), setting: String::new() });
+        assert_eq!((found.rolled_rmse, found.mean_rmse, found.frames.len()), (Some(0.25), 0.0, 2));
+        assert_eq!(curve(&[(exact, exact), (exact, exact)]).rolled_rmse, None);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 mod follower;
 mod page;
+mod roll;
 
 use glam::Vec3;
 use pellucid_core::camera::Camera;
@@ -13,17 +14,22 @@ use pellucid_core::image::LinearImage;
 use pellucid_core::points::Points;
 use pellucid_core::progress::Progress;
 use pellucid_engine::methods::{self, Frame, Renderer, Upload, linear};
+use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{Discs, Family, GaussianSettings, Method, Order};
+use pellucid_session::candidates::Surfaces;
 use pellucid_session::choice::Renderers;
 use serde::{Deserialize, Serialize};
+
+use super::tradeoff::supersampled;
 
 pub use follower::Follower;
 pub use page::{csv, popping_table, write};
 
 pub(super) use page::{over_frames, section};
+use roll::rolled;
 
 /// Error of a method in a single frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -55,6 +61,10 @@ pub struct Curve {
     pub worst_rmse: f64,
     /// The frame with the greatest RMSE: the change came with it.
     pub worst_frame: u32,
+    /// Mean RMSE of the changes if the camera rolls instead, so that the picture moves as much and no point changes its
+    /// depth; `None` where it isn't measured, as of transparent points.
+    #[serde(default)]
+    pub rolled_rmse: Option<f64>,
     /// Mean and greatest FLIP of the changes.
     pub mean_flip: f64,
     /// See `mean_flip`.
@@ -78,6 +88,7 @@ impl Curve {
             mean_rmse: mean(&changes),
             worst_rmse: worst.map_or(0.0, FrameError::rmse),
             worst_frame: worst.map_or(0, |frame| frame.frame),
+            rolled_rmse: None,
             mean_flip: mean(&flips),
             worst_flip: flips.iter().copied().fold(0.0, f64::max),
             frames,
@@ -108,7 +119,8 @@ pub struct Refused {
 /// The popping of some methods along a path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Popping {
-    /// The method that made the exact frames, with its settings where they are not the scene's.
+    /// The method that made the exact frames, or for opaque points those of their surfaces, with its settings where
+    /// they are not the scene's.
     pub exact: String,
     /// Number of frames.
     pub frames: u32,
@@ -137,6 +149,12 @@ pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     }
 }
 
+/// The method whose frames those of a method are compared with: the exact one ([`exact`]), or for opaque points the one
+/// that draws surfaces best with many samples in a pixel; `None` for others.
+pub fn reference(method: &Method, points: &Points) -> Option<Method> {
+    exact(method, points).or_else(|| Some(Surfaces::for_method(method, points)?.reference()))
+}
+
 /// The methods of a scene's image formation with its settings: those named, or all that are not exact. Of Gaussians
 /// that are sorted once both orders.
 pub fn candidates(method: &Method, points: &Points, only: &[String]) -> Vec<Candidate> {
@@ -153,7 +171,9 @@ pub fn candidates(method: &Method, points: &Points, only: &[String]) -> Vec<Cand
         Some(Method::SoftBase(soft)) => {
             Family::Soft.methods().map(|method| own(method.with_keys(&soft.keys()))).collect()
         }
-        _ => Vec::new(),
+        Some(_) => Vec::new(),
+        None => Surfaces::for_method(method, points)
+            .map_or_else(Vec::new, |all| all.alike(method).into_iter().map(own).collect()),
     };
     all.retain(|candidate| match only {
         [] => !is_exact(&candidate.method, points),
@@ -186,7 +206,7 @@ fn is_exact(method: &Method, points: &Points) -> bool {
 pub struct Film<'a> {
     /// The scene's points.
     pub arranged: &'a Arranged,
-    /// The frame with the exact method ([`exact`]); its camera is replaced.
+    /// The frame with the method of the reference ([`reference`]); its camera is replaced.
     pub frame: &'a Frame,
     /// Linear RGB.
     pub background: Vec3,
@@ -198,40 +218,90 @@ pub struct Film<'a> {
 /// methods.
 ///
 /// # Errors
-/// The exact method can't render a frame, a lost device, a message of the validation layers. A method that can't render
-/// one is left out.
+/// The method of the reference can't render a frame, a lost device, a message of the validation layers. A method that
+/// can't render one is left out.
 pub fn measure(device: &Device, film: &Film<'_>, candidates: &[Candidate], progress: &Progress) -> Result<Popping> {
-    progress.set_length(((1 + candidates.len()) * film.cameras.len()) as u64);
+    let is_surface = is_surface(&film.frame.method);
+    let cameras = film.cameras.len() + if is_surface { film.cameras.len().saturating_sub(1) } else { 0 };
+    progress.set_length(((1 + candidates.len()) * cameras) as u64);
     let mut first = Renderer::new(device)?;
     let mut cloud = first.upload(Upload::with_detail(film.arranged, &film.frame.detail))?;
     // The others take about as much memory as this one.
     let peak = first.render(&mut cloud, film.frame)?.facts.peak_device_bytes;
     drop(first);
     let names = candidates.iter().map(|candidate| &candidate.method).chain([&film.frame.method]);
-    let mut renderers = Renderers::new(device, names.map(|method| (method.name(), peak)));
+    let renderers = Renderers::new(device, names.map(|method| (method.name(), peak)));
+    let mut shot = Shot { film, progress, renderers, cloud, samples_across: 1 };
+    let positions = &film.arranged.points().positions;
     let mut followers: Vec<Result<Follower, String>> = candidates.iter().map(|_| Ok(Follower::default())).collect();
     for (number, camera) in film.cameras.iter().enumerate() {
-        let mut take = |frame: Frame| -> Result<LinearImage, methods::Error> {
-            progress.set_message(format!("popping, frame {number}, {}", frame.method.name()));
-            progress.inc(1);
-            let renderer = renderers.for_method(frame.method.name())?;
-            let rendered = renderer.render(&mut cloud, &Frame { camera: *camera, ..frame })?;
-            let image = linear(&rendered.image, film.background, frame.color)?;
-            renderer.recycle(rendered.image);
-            Ok(image)
-        };
-        let exact = take(*film.frame)?;
-        for (candidate, follower) in candidates.iter().zip(&mut followers) {
-            let Ok(followed) = follower else { continue };
-            match take(Frame { method: candidate.method, ..*film.frame }) {
-                Ok(image) => _ = followed.add(&exact, &image),
-                Err(error) if error.is_refusal() => *follower = Err(error.to_string()),
-                Err(error) => return Err(error.into()),
+        let before = number.checked_sub(1).filter(|_| is_surface).map(|before| &film.cameras[before]);
+        let roll = before.map(|before| rolled([before, camera], positions, film.frame.size));
+        for (camera, is_rolled) in roll.iter().map(|roll| (roll, true)).chain([(camera, false)]) {
+            progress.set_message(format!("popping, frame {number}"));
+            let exact = shot.exact(camera)?;
+            for (candidate, follower) in candidates.iter().zip(&mut followers) {
+                let Ok(followed) = follower else { continue };
+                match shot.image(camera, candidate.method) {
+                    Ok(image) if is_rolled => followed.add_rolled(&exact, &image),
+                    Ok(image) => _ = followed.add(&exact, &image),
+                    Err(error) if error.is_refusal() => *follower = Err(error.to_string()),
+                    Err(error) => return Err(error.into()),
+                }
             }
         }
         device.check_validation()?;
     }
-    Ok(report(film, candidates, followers))
+    Ok(report(shot.named(), film, candidates, followers))
+}
+
+/// Renders the frames of a film.
+struct Shot<'a> {
+    film: &'a Film<'a>,
+    progress: &'a Progress,
+    renderers: Renderers,
+    cloud: DeviceCloud,
+    /// Samples across a pixel of the last exact frame.
+    samples_across: u32,
+}
+
+impl Shot<'_> {
+    /// The frame of a method by a camera.
+    fn image(&mut self, camera: &Camera, method: Method) -> Result<LinearImage, methods::Error> {
+        self.progress.inc(1);
+        let renderer = self.renderers.for_method(method.name())?;
+        let rendered = renderer.render(&mut self.cloud, &Frame { camera: *camera, method, ..*self.film.frame })?;
+        let image = linear(&rendered.image, self.film.background, self.film.frame.color)?;
+        renderer.recycle(rendered.image);
+        Ok(image)
+    }
+
+    /// The frame that others are compared with.
+    fn exact(&mut self, camera: &Camera) -> Result<LinearImage, methods::Error> {
+        let frame = Frame { camera: *camera, ..*self.film.frame };
+        if !is_surface(&frame.method) {
+            return self.image(camera, frame.method);
+        }
+        self.progress.inc(1);
+        let renderer = self.renderers.for_method(frame.method.name())?;
+        let made = supersampled(renderer, &mut self.cloud, &frame, self.film.background)?;
+        self.samples_across = made.samples_across;
+        Ok(made.image)
+    }
+
+    /// Says what made the exact frames.
+    fn named(&self) -> String {
+        let (method, across) = (&self.film.frame.method, self.samples_across);
+        match is_surface(method) {
+            false => named(method),
+            true => format!("{} with {across} × {across} samples in a pixel", method.name()),
+        }
+    }
+}
+
+/// True for methods that draw surfaces, whose frames are no reference unless they have many samples in a pixel.
+fn is_surface(method: &Method) -> bool {
+    matches!(method, Method::Hqs(_) | Method::Splats(_))
 }
 
 /// An exact method with its order of Gaussians, if it was given one.
@@ -240,13 +310,13 @@ pub fn named(exact: &Method) -> String {
     format!("{}{}", exact.name(), order.map_or_else(String::new, |order| format!(" order={}", order.word())))
 }
 
-fn report(film: &Film<'_>, candidates: &[Candidate], followers: Vec<Result<Follower, String>>) -> Popping {
-    let mut popping = Popping {
-        exact: named(&film.frame.method),
-        frames: film.cameras.len() as u32,
-        curves: Vec::new(),
-        refused: Vec::new(),
-    };
+fn report(
+    exact: String,
+    film: &Film<'_>,
+    candidates: &[Candidate],
+    followers: Vec<Result<Follower, String>>,
+) -> Popping {
+    let mut popping = Popping { exact, frames: film.cameras.len() as u32, curves: Vec::new(), refused: Vec::new() };
     for (candidate, follower) in candidates.iter().zip(followers) {
         match follower {
             Ok(follower) => popping.curves.push(follower.curve(candidate)),
@@ -262,7 +332,7 @@ fn report(film: &Film<'_>, candidates: &[Candidate], followers: Vec<Result<Follo
 #[cfg(test)]
 mod tests {
     use pellucid_core::cloud::gaussians::Gaussians;
-    use pellucid_scene::Spbr;
+    use pellucid_scene::{ScreenSplats, Spbr};
 
     use super::*;
 
@@ -287,5 +357,16 @@ mod tests {
         assert_eq!(exact(&centers, &gaussians).unwrap().order(), Order::Pixel);
         assert_eq!(exact(&Method::Spbr(Spbr::default()), &gaussians), None);
         assert_eq!(names(Method::Spbr(Spbr::default()), &gaussians, &[]), Vec::<String>::new());
+    }
+
+    #[test]
+    fn opaque_methods_are_followed_against_blended_splats() {
+        let circles = Method::Circles(ScreenSplats::default());
+        let opaque = ["points", "squares", "circles", "paraboloid", "cone", "sphere", "hqs", "image-space"];
+        assert_eq!(names(circles, &Points::default(), &[]), opaque);
+        assert_eq!(names(Method::Points, &Points::default(), &["cone", "circles"]), ["circles", "cone"]);
+        let with_normals = Points { normals: Some(Vec::new()), ..Points::default() };
+        let reference_of = |points: &Points| reference(&circles, points).map(|method| method.name());
+        assert_eq!([reference_of(&Points::default()), reference_of(&with_normals)], [Some("hqs"), Some("splats")]);
     }
 }

@@ -45,9 +45,13 @@ pub fn write(path: &Path, popping: &Popping) -> Result<(), output::Error> {
 
 /// A line for each method; `last` is the head of the last column.
 fn table<'a>(popping: &'a Popping, error: impl Fn(f64) -> String + Copy, last: &str) -> ReportTable<'a, Curve> {
-    ReportTable::new(&popping.curves)
+    let mut table = ReportTable::new(&popping.curves)
         .text("method", Curve::name)
-        .number("mean RMSE", error, |curve| curve.mean_rmse)
+        .number("mean RMSE", error, |curve| curve.mean_rmse);
+    if popping.curves.iter().any(|curve| curve.rolled_rmse.is_some()) {
+        table = table.number("rolling", error, |curve| curve.rolled_rmse);
+    }
+    table
         .number("worst RMSE", error, |curve| curve.worst_rmse)
         .number("of frame", count, |curve| f64::from(curve.worst_frame))
         .number("mean FLIP", error, |curve| curve.mean_flip)
@@ -78,6 +82,13 @@ pub(in crate::report) fn section(popping: &Popping, figures: &Markup, error: fn(
             "pixel; an error that stays the same does not pop, however large it is (the last column). RMSE is that of the change; FLIP compares the exact frame with the "
             "exact frame plus the change. An error that moves with the scene changes, too. Steps as small as a film's keep that "
             "change small, so jumps stand out."
+        }
+        @if popping.curves.iter().any(|curve| curve.rolled_rmse.is_some()) {
+            p {
+                "The column “rolling” has the mean RMSE where the camera rolls about its own axis instead, by so much that "
+                "points move as far in the picture. No point changes its depth then, so this is what the motion of the picture "
+                "across its pixels changes; what the path adds to it is points that change their order."
+            }
         }
         (table(popping, error, "mean error (RMSE)").html())
         (figures)

@@ -23,6 +23,7 @@ pub use files::{FILES, write};
 pub use looks::{Look, Worst};
 pub use measure::{ALONE_SHARE, FRAME_SHARE, MeasuredScene, Options, method_by_method, run};
 pub use partial::discard;
+pub(super) use surfaces::supersampled;
 
 use super::fit::PowerLaw;
 use super::popping::Popping;

@@ -249,8 +249,8 @@ impl TradeoffRun<'_> {
     fn follow(&mut self) -> Result<Option<Popping>> {
         let MeasuredScene { arranged, background, cameras, .. } = *self.subject;
         let own = self.subject.frame.method;
-        let exact = popping::exact(&own, arranged.points()).filter(|_| !cameras.is_empty());
-        let Some(method) = exact else { return Ok(None) };
+        let reference = popping::reference(&own, arranged.points()).filter(|_| !cameras.is_empty());
+        let Some(method) = reference else { return Ok(None) };
         // The memory of the others first.
         self.clouds.forget();
         let frame = Frame { method, ..self.frame };
@@ -295,7 +295,7 @@ impl TradeoffRun<'_> {
         let convergence = if surveyed.is_some() { Vec::new() } else { summary::convergence(settings, &rows) };
         let analytic = analytic.map(|known| Analytic { slope: analytic::slope(&rows, known.dealt_once), ..known });
         let findings = match surveyed {
-            Some(_) => surfaces::findings::check_statements(&rows),
+            Some(_) => surfaces::findings::check_statements(&rows, popping.as_ref()),
             None => {
                 let without = without_soft_points(subject.arranged.points(), &subject.frame.method);
                 findings::check_statements(&rows, analytic.as_ref(), without.as_deref())

@@ -1,5 +1,6 @@
 //! Compares measurements with the statements of Schütz and Wimmer (2015) on opaque points.
 
+use crate::report::popping::{Curve, Popping};
 use crate::report::tradeoff::{Finding, Row};
 
 /// Surfaces count as covered if at most this share of their pixels is not.
@@ -8,8 +9,8 @@ const COVERED: f64 = 1e-3;
 const ORDER: [&str; 4] = ["squares", "circles", "paraboloid", "hqs"];
 
 /// Returns a finding for each statement whose rows were all measured.
-pub(in super::super) fn check_statements(rows: &[Row]) -> Vec<Finding> {
-    [cost(rows), covering(rows), quality(rows)].into_iter().flatten().collect()
+pub(in super::super) fn check_statements(rows: &[Row], popping: Option<&Popping>) -> Vec<Finding> {
+    [cost(rows), covering(rows), quality(rows), popping.and_then(flicker)].into_iter().flatten().collect()
 }
 
 /// The row of a method with splats of a size.
@@ -109,6 +110,35 @@ fn quality(rows: &[Row]) -> Option<Finding> {
     })
 }
 
+/// Changes of the error along a path over those by as much motion without any change of order, above which a method
+/// flickers.
+const FLICKER: f64 = 1.25;
+
+/// Section IV: which methods flicker as the camera turns.
+fn flicker(popping: &Popping) -> Option<Finding> {
+    let ratio = |method: &str| -> Option<f64> {
+        let curve: &Curve = popping.curves.iter().find(|curve| curve.method == method)?;
+        Some(curve.mean_rmse / curve.rolled_rmse?)
+    };
+    let mut ratios = [0.0; ORDER.len()];
+    for (slot, method) in ratios.iter_mut().zip(ORDER) {
+        *slot = ratio(method)?;
+    }
+    let told: Vec<_> = ORDER.iter().zip(ratios).map(|(method, ratio)| format!("{method} {ratio:.2}")).collect();
+    let [squares, circles, paraboloid, hqs] = ratios.map(|ratio| ratio > FLICKER);
+    Some(Finding {
+        claim: "squares and circles flicker as the camera turns, since points change their order; paraboloids and \
+                high-quality splats do not (Section IV)"
+            .to_owned(),
+        measured: format!(
+            "the error changes from frame to frame by so many times what it changes by if the picture moves as much and no \
+             point changes its depth: {}; above {FLICKER} is flicker",
+            told.join(", ")
+        ),
+        holds: Some(squares && circles && !paraboloid && !hqs),
+    })
+}
+
 #[cfg(test)]
 pub(in super::super) mod tests {
     use super::*;
@@ -144,13 +174,13 @@ pub(in super::super) mod tests {
     }
 
     fn holds(rows: &[Row]) -> Vec<Option<bool>> {
-        check_statements(rows).iter().map(|finding| finding.holds).collect()
+        check_statements(rows, None).iter().map(|finding| finding.holds).collect()
     }
 
     #[test]
     fn statements_hold_for_rows_as_claimed() {
         let rows = as_claimed();
-        let found = check_statements(&rows);
+        let found = check_statements(&rows, None);
         assert_eq!(holds(&rows), [Some(true); 3], "{found:#?}");
         assert!(found[0].measured.starts_with("at sizes 1, 2; ms at 2: squares 3.00, circles 4.00"));
         let told = "1 point of 4: 5.00% holes with 0.5, 0.000% with 1; 3.00 ms with 1, 4.00 ms with 2";
@@ -180,11 +210,40 @@ pub(in super::super) mod tests {
     }
 
     #[test]
+    fn circles_flicker_where_paraboloids_do_not() {
+        let popping = |changes: [f64; 4]| {
+            let curve = |(method, change): (&str, f64)| Curve {
+                method: method.to_owned(),
+                setting: String::new(),
+                frames: Vec::new(),
+                mean_error: 0.3,
+                mean_rmse: change,
+                worst_rmse: change,
+                worst_frame: 1,
+                rolled_rmse: Some(0.1),
+                mean_flip: 0.0,
+                worst_flip: 0.0,
+            };
+            let curves = ORDER.into_iter().zip(changes).map(curve).collect();
+            Popping { exact: "splats".to_owned(), frames: 3, curves, refused: Vec::new() }
+        };
+        let holds = |changes| check_statements(&[], Some(&popping(changes))).pop().unwrap().holds;
+        assert_eq!(holds([0.2, 0.15, 0.11, 0.1]), Some(true));
+        assert_eq!([holds([0.2, 0.15, 0.13, 0.1]), holds([0.2, 0.12, 0.11, 0.1])], [Some(false); 2]);
+        let found = flicker(&popping([0.2, 0.15, 0.11, 0.1])).unwrap();
+        assert!(found.measured.contains("squares 2.00, circles 1.50, paraboloid 1.10, hqs 1.00"), "{found:?}");
+        // Without one of the methods, or without a path, nothing is said.
+        let mut some = popping([0.2, 0.15, 0.11, 0.1]);
+        some.curves.pop();
+        assert_eq!((flicker(&some), check_statements(&[], None)), (None, Vec::new()));
+    }
+
+    #[test]
     fn nothing_is_found_without_rows() {
-        assert_eq!(check_statements(&[]), []);
+        assert_eq!(check_statements(&[], None), []);
         let all = as_claimed();
         let circles: Vec<Row> = all.iter().filter(|row| row.method == "circles").cloned().collect();
-        assert_eq!(check_statements(&circles).len(), 1);
+        assert_eq!(check_statements(&circles, None).len(), 1);
         let dense: Vec<Row> = circles.into_iter().filter(|row| row.thinning == 1).collect();
         assert_eq!(holds(&dense), [None], "nothing to cover");
     }

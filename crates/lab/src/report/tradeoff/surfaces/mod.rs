@@ -7,4 +7,5 @@ pub(super) mod shadows;
 mod truth;
 
 pub(super) use clouds::Clouds;
-pub(super) use truth::{Silhouette, supersampled};
+pub(super) use truth::Silhouette;
+pub(in crate::report) use truth::supersampled;

@@ -18,7 +18,7 @@ const MAX_SAMPLES: u64 = 1 << 25;
 
 /// A picture of the surfaces.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Supersampled {
+pub(in crate::report) struct Supersampled {
     /// Image over the background, in linear light: the means over each pixel's samples.
     pub image: LinearImage,
     /// The pixels the surfaces cover.
@@ -31,7 +31,7 @@ pub(in super::super) struct Supersampled {
 ///
 /// # Errors
 /// Rendering fails.
-pub(in super::super) fn supersampled(
+pub(in crate::report) fn supersampled(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,
     frame: &Frame,
@@ -91,7 +91,7 @@ fn averaged(image: &LinearImage, factor: u32) -> LinearImage {
 
 /// The pixels that surfaces cover for certain.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in super::super) struct Silhouette {
+pub(in crate::report) struct Silhouette {
     inside: Vec<bool>,
     /// The number of pixels inside.
     pub pixels: u64,
