@@ -127,10 +127,6 @@ fn along_ray(axes: mat3x3<f32>, slope: vec2<f32>, scale: f32, z: f32) -> AlongRa
     return AlongRay(inverse_of(f) / scale, vec3<f32>(dot3(m, f.first), dot3(m, f.second), third) / over);
 }
 
-fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
-    return vec3<f32>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-
 // By the projection of the Gaussian, linear around its center.
 fn draw_ewa(extent: vec3<f32>, q: vec4<f32>, point: Located, position: vec3<f32>, given: f32, base: Splat) -> Drawn {
     var drawn = Drawn(base, no_tilt(), vec4<f32>(0.0), given, true);

@@ -55,6 +55,11 @@ fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+// `cross` is an extended instruction, which no NoContraction reaches: Mesa 26.2 fuses its products and differences.
+fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
 fn length3(v: vec3<f32>) -> f32 {
     return sqrt(dot3(v, v));
 }

@@ -25,7 +25,7 @@ fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>, ray: vec4<f32>) -> Chord
     }
     let unit = select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u) / view.focal.x;
     let from_center = vec3<f32>(offset_of(splat, whole_to(splat, pixel)) * unit, 0.0);
-    let distance = length3(cross(from_center, ray.xyz));
+    let distance = length3(cross3(from_center, ray.xyz));
     let middle = splat.depth - dot3(from_center, ray.xyz) / ray.w;
     let edge = (splat.radius - distance) / splat.radius;
     // False for NaN too.

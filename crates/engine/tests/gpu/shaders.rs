@@ -274,6 +274,8 @@ fn no_shader_leaves_to_the_driver_what_drivers_do_differently() {
         "length",
         "distance",
         "normalize",
+        "cross",
+        "determinant",
         "reflect",
         "refract",
         "mix",
@@ -295,6 +297,7 @@ fn no_shader_leaves_to_the_driver_what_drivers_do_differently() {
         words.take(code.matches('(').count()).collect()
     }
     assert_eq!(calls("let a = exp(-x) + my_log(y) / length3(v); // pow(x)"), ["exp"]);
+    assert_eq!(calls("let a = length3(cross(b, c)) + cross3(b, c).x;"), ["cross"]);
     assert_eq!(calls("fn f(length: f32) { return length; }"), Vec::<&str>::new());
 
     for (path, text) in files() {
