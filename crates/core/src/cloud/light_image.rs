@@ -1,5 +1,5 @@
-//! What the square image that a light has of some points shows: how much of it their box covers, how many pixels it
-//! takes, and the holes that are left in its surfaces.
+//! The square image that a light has of some points: how much of it their box covers, how many pixels it takes, and the
+//! holes that are left in its surfaces.
 
 use glam::{DVec2, DVec3};
 
@@ -117,9 +117,9 @@ pub fn hole_block(resolution: u32, natural: f64) -> u32 {
 pub struct Holes {
     /// Pixels of covered blocks.
     pub covered: u64,
-    /// Those that are holes.
+    /// Covered pixels that are holes.
     pub holes: u64,
-    /// Those that show points.
+    /// Covered pixels that show points.
     pub shown: u64,
     /// Holes that show points behind the surface, which light reaches through them.
     pub leaks: u64,

@@ -205,7 +205,7 @@ fn the_plan_says_what_the_next_frame_runs() {
             (1, 1, &["shadows/fill", "shadows/occlusion"][..]),
             (0, 2, &["shadows/occlusion"]),
             (2, 0, &["shadows/fill"]),
-            // What makes depths of keys.
+            // A run that makes depths of keys.
             (0, 0, &["shadows/occlusion"]),
         ] {
             let [fill, occlusion] = [fill, occlusion].map(Iterations::Count);

@@ -258,8 +258,8 @@ fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive as f64))
 }
 
-/// What roundings may make of the share of light of each point, in images with `reach` pixels around the faces of a
-/// cube.
+/// Ranges that roundings may give to the share of light of each point, in images with `reach` pixels around the faces of
+/// a cube.
 fn share_bounds(points: &Points, light: Light, shadows: Shadows, reach: impl Fn(&Casting) -> u32) -> Vec<Range> {
     let zero = Bounds { min: DVec3::ZERO, max: DVec3::ZERO };
     let bounds = points.bounds().unwrap_or(zero);

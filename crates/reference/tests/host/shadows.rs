@@ -195,7 +195,7 @@ fn holes_are_what_the_filters_leave_in_blocks_within_a_surface() {
     assert_eq!(of([lid(0), floor.clone()].concat(), none), [9, 1, 9, 1]);
     assert_eq!(of(lid(0), Map { fill: 1, ..none }), [9, 0, 9, 0]);
     assert_eq!(of([lid(0), floor.clone()].concat(), Map { occlusion: 1, ..none }), [9, 0, 9, 0]);
-    // What is no farther than d̃ behind is the surface itself.
+    // Points no farther than d̃ behind are the surface itself.
     assert_eq!(of([lid(0), pixels([[4, 4]], 2.5)].concat(), none), [9, 0, 9, 0]);
     // A hole that is a whole block has no surface: it is an opening.
     assert_eq!(of(lid(1), none), [0, 0, 0, 0]);

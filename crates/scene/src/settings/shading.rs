@@ -129,7 +129,7 @@ pub enum MapResolution {
     /// About one point of the nearest surface for each lit pixel
     /// ([`automatic_resolution`](pellucid_core::cloud::light_image::automatic_resolution)).
     Auto,
-    /// This many pixels, from 1 to [`MAX_SIDE`].
+    /// Fixed number of pixels, from 1 to [`MAX_SIDE`].
     Pixels(u32),
 }
 
@@ -209,7 +209,7 @@ mod tests {
 
     use super::*;
 
-    /// From above 40 × 10, which is a quarter of a square image.
+    /// A box that is 40 × 10 from above, a quarter of a square image.
     const POINTS: Bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(40.0, 196.0, 10.0) };
 
     fn casting(light: Light, shadows: &Shadows, seed: u64) -> Casting {

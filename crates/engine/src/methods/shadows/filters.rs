@@ -70,7 +70,7 @@ fn filters(casting: &Casting) -> impl Iterator<Item = Filter> + use<> {
     of(Filter::Fill, casting.fill).chain(of(Filter::Occlusion, casting.occlusion)).chain(nothing)
 }
 
-/// Which of the two images of [`record`] holds the depths after all filters.
+/// Index of that image of [`record`] that holds the depths after all filters.
 pub(super) fn last(casting: &Casting) -> usize {
     casting.reach().max(1) as usize % 2
 }
@@ -109,7 +109,7 @@ fn run_variant() -> Variant {
     Variant::plain().with("RUN", RUN as u32)
 }
 
-/// What counts the holes in the images of a light.
+/// Count of the holes in the images of a light.
 pub(super) struct HoleCount {
     push: HolesPush,
     blocks: Buffer<u32>,
