@@ -252,8 +252,8 @@ fn auto_says_if_the_scene_has_no_opaque_method() {
     assert!(said.contains("[shadows] has no effect: method") && !casts, "{said}");
 }
 
-/// A disc of scattered points over a floor of others. Coordinates follow from the numbers of the points, by multiples of
-/// the roots of a cubic that has no rational ones (Roberts 2018): scattered, without gaps.
+/// A disc of scattered points over a floor of others. Coordinates are multiples of irrational numbers (Roberts 2018):
+/// scattered, without gaps.
 fn write_disc(folder: &TempDir, name: &str, disc: u32, floor: u32) {
     let place = |i: u32| [0.754_877_666, 0.569_840_291].map(|step: f64| (f64::from(i) * step).fract());
     let on_floor = (0..floor).map(|i| DVec3::new(place(i)[0], place(i)[1], 0.0));

@@ -111,7 +111,7 @@ pub fn hole_block(resolution: u32, natural: f64) -> u32 {
 
 /// Holes in the surfaces of a light's image. An image is divided into blocks ([`hole_block`]). A block is *covered* if
 /// it and the eight around it have points; the surface in it is as far as the farthest of the nearest points of these
-/// nine. A pixel of a covered block is a *hole* if the filters left nothing there, or what lies more than d̃ behind that
+/// nine. A pixel of a covered block is a *hole* if the filters left nothing there, or points more than d̃ behind that
 /// surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Holes {

@@ -1,6 +1,6 @@
 // shadows/leaks: counts the holes that the filters left in the surfaces of a light's image, and those through which
-// points behind are seen. A block has a surface if it and the eight around it have points: the farthest of their nearest
-// depths. One invocation per RUN pixels of a row. Reference: reference::shadows::holes.
+// points behind are seen. A block has a surface if it and the eight around it have points: the farthest of their
+// nearest depths. One invocation per RUN pixels of a row. Reference: reference::shadows::holes.
 #import dispatch
 
 // Depths after the filters, +inf where there is nothing.

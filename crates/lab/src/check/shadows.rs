@@ -33,7 +33,11 @@ pub(super) fn cases() -> Vec<Case> {
         one("shadows/one-pixel", "a light's image of one pixel: what is behind its only depth is dark", one_pixel),
         one("shadows/all-equal", "1 and 500 points in one place, the lamp above, beside and in it: lit", all_equal),
         one("shadows/sparse", "scattered points over a floor: thousandths of its points that are lit", sparse),
-        one("shadows/seams", "a lamp in a ball of scattered points in another: thousandths of that one that are lit", seams),
+        one(
+            "shadows/seams",
+            "a lamp in a ball of scattered points in another: thousandths of that one that are lit",
+            seams,
+        ),
     ]
 }
 
@@ -258,8 +262,8 @@ fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
     Ok(Finding::new(error, 0.0, naive as f64))
 }
 
-/// Ranges that roundings may give to the share of light of each point, in images with `reach` pixels around the faces of
-/// a cube.
+/// Ranges that roundings may give to the share of light of each point, in images with `reach` pixels around the faces
+/// of a cube.
 fn share_bounds(points: &Points, light: Light, shadows: Shadows, reach: impl Fn(&Casting) -> u32) -> Vec<Range> {
     let zero = Bounds { min: DVec3::ZERO, max: DVec3::ZERO };
     let bounds = points.bounds().unwrap_or(zero);

@@ -158,7 +158,8 @@ settings! {
         resolution: MapResolution = MapResolution::Auto, unit "pixels", start 1024.0, slider Slider::Count(16, 8192);
         /// Iterations that fill background between points of the shadow map; auto: until nothing changes, at most 64.
         fill: Iterations = Iterations::Count(1), unit "iterations", start 4.0, slider Slider::Count(0, 16);
-        /// Iterations that replace points seen through holes of the shadow map; auto: until nothing changes, at most 64.
+        /// Iterations that replace points seen through holes of the shadow map; auto: until nothing changes, at most
+        /// 64.
         occlusion: Iterations = Iterations::Count(1), unit "iterations", start 4.0, slider Slider::Count(0, 16);
         /// Points closer than this to the first lit surface are lit, too.
         min_layer_distance: Option<f32> = None, in Range::POSITIVE, unit "world units",
