@@ -1,7 +1,7 @@
 // The filters that close holes of a light's image (Dobrev et al. 2010, Sections 3.2, 3.3 and 6): pixels that no mask
 // keeps take the depth of the nearest of the 3 x 3 around them. A filter says which pixels it looks at, and beyond
-// which depth neighbors keep one: is_looked_at(depths) and floor_of(depths). One invocation per four columns and RUN rows.
-// Reference: reference::image_space::Layer::filled and occluded_replaced.
+// which depth neighbors keep one: is_looked_at(depths) and floor_of(depths). One invocation per four columns and RUN
+// rows. Reference: reference::image_space::Layer::filled and occluded_replaced.
 #import dispatch
 
 // Depths, +inf where there is nothing; before the first filter keys of depths, which are positive, all ones where there

@@ -37,8 +37,8 @@ fn area(ring: [DVec2; 4]) -> f64 {
 
 /// Returns the pixels of a light's image that lie in a surface, those of them that are holes, those that show points,
 /// and the holes that do. Blocks have `block` columns and rows, from the upper left corner on; a block lies in a
-/// surface if it and the eight around it have points, which is as far as the farthest of their nearest points. A pixel there is
-/// a hole if after the filters it shows nothing, or what is more than d̃ behind.
+/// surface if it and the eight around it have points, which is as far as the farthest of their nearest points. A pixel
+/// there is a hole if after the filters it shows nothing, or what is more than d̃ behind.
 pub fn holes(camera: &Camera, map: Map, points: &Points, block: u32) -> [u64; 4] {
     let nearest = unfiltered(camera, map.resolution, points);
     let pixel = |x: u32, y: u32| (y * map.resolution + x) as usize;

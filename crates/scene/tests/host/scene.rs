@@ -387,7 +387,7 @@ fn shadows_are_read_where_there_is_a_light_that_casts_them() {
     assert_eq!(with_cloud(&format!("{lamp}{wide}")).shadows, Some(Shadows { light_radius: 90.0, ..default }));
     for (keys, why) in [("resolution = 0", "1 to 16384"), ("fill = 257", "0 to 256"), ("occlusion = -1", "0 to 256")] {
         let said = refused(&format!("[shadows]\n{keys}\n{CLOUD}"));
-        assert!(said.contains(why) && said.contains("auto"), "{said}");
+        assert!(said.contains(why), "{said}");
     }
     assert!(refused(&format!("[shadows]\nsample = 3\n{CLOUD}")).contains("did you mean `samples`?"));
 }
