@@ -180,6 +180,9 @@ def test_a_plain_name_of_several_tables_is_the_method_s(scene):
     assert "shadows" not in scene.given()
     scene.update(shadows__resolution=256, shadows__samples=2)
     assert scene.given()["shadows"] == {"resolution": 256, "samples": 2}
+    assert scene.shadows.fill == 1
+    scene.update(shadows__resolution="auto", shadows__fill=2, shadows__occlusion="auto")
+    assert scene.given()["shadows"] == {"resolution": "auto", "samples": 2, "fill": 2, "occlusion": "auto"}
     scene.set("samples", 16.0)
     assert scene.get("samples") == scene.method.samples == 16
 

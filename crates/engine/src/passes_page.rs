@@ -25,7 +25,7 @@ Several passes share how they visit splats, pixels and long lists: see [stages.m
 ";
 
 /// Fills, copies and second names of passes have no declaration with a comment; their sentences stand here.
-const UNDECLARED: [(&str, &str, &str); 27] = [
+const UNDECLARED: [(&str, &str, &str); 28] = [
     ("abuffer/clear", "fill", "Sets counts, longest list and overflow flag to 0."),
     ("abuffer/cursors", "copy", "Copies the start of each pixel's list to the cursor that `abuffer/store` counts up."),
     ("abuffer/summary", "copy", "Copies overflow, longest list and total to the host, which then cuts bands."),
@@ -59,6 +59,7 @@ const UNDECLARED: [(&str, &str, &str); 27] = [
     ("shading/depths", "copy", "Copies depths of the whole image back to the device, row after row of it."),
     ("shading/factors", "copy", "Copies the factors of `shading/edl` to the host, which multiplies colors by them."),
     ("shadows/clear", "fill", "Sets a light's image to \"nothing\"."),
+    ("shadows/reset", "fill", "Sets the blocks of a light's image to \"nothing\", and the numbers of its holes to 0."),
     (
         "spbr/clear",
         "fill",

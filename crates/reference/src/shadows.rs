@@ -3,12 +3,14 @@
 //! A light is one camera or several (the faces of a cube around it) with square images. The lights come as an argument:
 //! how an area is sampled is no part of the equations.
 
+mod holes;
 mod ranges;
 
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
+pub use holes::{covered, holes};
 pub use ranges::share_ranges;
 
 use super::View;
@@ -23,6 +25,19 @@ use pellucid_scene::Light;
 const WIDEST: f64 = 120.0;
 /// Least |n_z|: the offset of a surface seen edge-on is at most ten times that of one seen from the front.
 const LEAST_COS: f64 = 0.1;
+
+/// How a light's image is made and compared with points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Map {
+    /// Columns and rows.
+    pub resolution: u32,
+    /// Iterations of the filter of background (Section 3.2), before those of occluded pixels.
+    pub fill: u32,
+    /// Iterations of the filter of occluded pixels (Section 3.3).
+    pub occlusion: u32,
+    /// d̃ in world units.
+    pub distance: f64,
+}
 
 /// The cameras of one light.
 pub type Frames = Vec<Camera>;
@@ -116,40 +131,49 @@ pub fn area(light: &Light, radius: f64, bounds: &Bounds, places: &[DVec2]) -> Ve
         .collect()
 }
 
-/// Returns the reference depth of each pixel of a light's image: the nearest point of all, whichever way it faces,
-/// after one iteration of the filter of occluded pixels.
-pub fn reference_depths(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<f64> {
+/// A light's image before the filters: the nearest point of all, whichever way it faces.
+fn unfiltered(camera: &Camera, resolution: u32, points: &Points) -> Layer {
     let view = View::new(camera, [resolution; 2]);
     let found = nearest(view, points, false, &vec![f64::NEG_INFINITY; view.pixels()]);
     let colors = vec![DVec3::ZERO; points.len()];
-    let nearest: Layer = layer(view.size, &found, &colors, |_| 1.0);
-    nearest.occluded_replaced(distance).depth
+    layer(view.size, &found, &colors, |_| 1.0)
+}
+
+/// A light's image after the filters.
+fn filtered(nearest: Layer, map: Map) -> Layer {
+    let filled = (0..map.fill).fold(nearest, |layer, _| layer.filled());
+    (0..map.occlusion).fold(filled, |layer, _| layer.occluded_replaced(map.distance))
+}
+
+/// Returns the reference depth of each pixel of a light's image: that of the nearest point after the filters.
+pub fn reference_depths(camera: &Camera, map: Map, points: &Points) -> Vec<f64> {
+    filtered(unfiltered(camera, map.resolution, points), map).depth
 }
 
 /// The distance, in world units, of each point in a camera's image from the border of the lit layer. A point is lit if
-/// it is at least 0, that is, if depth ≤ reference + `distance` / max(|n_z|, 0.1), n_z along the camera's axis; +
-/// `distance` without a normal. `None` outside of the image.
-fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<Option<f64>> {
-    let view = View::new(camera, [resolution; 2]);
-    let depths = reference_depths(camera, resolution, points, distance);
+/// it is at least 0, that is, if depth ≤ reference + d̃ / max(|n_z|, 0.1), n_z along the camera's axis; + d̃ without a
+/// normal. `None` outside of the image.
+fn clearances(camera: &Camera, map: Map, points: &Points) -> Vec<Option<f64>> {
+    let view = View::new(camera, [map.resolution; 2]);
+    let depths = reference_depths(camera, map, points);
     let clearance = |index: usize| {
         let covered = footprint(view, &splat(points, index));
         let pixel = covered.first()?;
         let normal = points.own_normal(index).and_then(|normal| normal.as_dvec3().try_normalize());
         let cos = normal.map_or(1.0, |n| n.dot(camera.forward).abs().max(LEAST_COS));
         let reference = depths[view.index(pixel.x, pixel.y)];
-        Some(reference + distance / cos - pixel.z)
+        Some(reference + map.distance / cos - pixel.z)
     };
     (0..points.len()).map(clearance).collect()
 }
 
 /// Returns the points that one light reaches. Images of a cube may overlap; a point belongs to the one where it is
 /// farthest along the axis. Points in no image are lit.
-pub fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec<bool> {
+pub fn lit(light: &[Camera], map: Map, points: &Points) -> Vec<bool> {
     let mut lit = vec![true; points.len()];
     let mut along = vec![f64::NEG_INFINITY; points.len()];
     for camera in light {
-        let clearances = clearances(camera, resolution, points, distance);
+        let clearances = clearances(camera, map, points);
         for (index, clearance) in clearances.into_iter().enumerate() {
             let z = camera.to_view(points.positions[index]).z;
             if let Some(clearance) = clearance.filter(|_| z > along[index]) {
@@ -162,13 +186,13 @@ pub fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) ->
 }
 
 /// m of each point: the share of the lights that reach it, 1 without lights.
-pub fn shares(lights: &[Frames], resolution: u32, points: &Points, distance: f64) -> Vec<f64> {
+pub fn shares(lights: &[Frames], map: Map, points: &Points) -> Vec<f64> {
     if lights.is_empty() {
         return vec![1.0; points.len()];
     }
     let mut sums = vec![0.0; points.len()];
     for light in lights {
-        let lit = lit(light, resolution, points, distance);
+        let lit = lit(light, map, points);
         sums.iter_mut().zip(lit).for_each(|(sum, lit)| *sum += f64::from(u8::from(lit)));
     }
     sums.into_iter().map(|sum| sum / lights.len() as f64).collect()

@@ -108,8 +108,8 @@ pub fn shadow_texture(
     let with_settings = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow));
     let found = with_settings.filter_map(|(settings, cloud)| Some((settings, cloud, stored(cloud)?))).next();
     let (Some(shadows), Some((settings, cloud, texture))) = (scene.shadows, found) else { return (None, None) };
-    let diagonal = cloud.bounds().map_or(0.0, |bounds| bounds.diagonal());
-    let wanted = shadows.casting(scene.shading.light, seed, diagonal);
+    let bounds = cloud.bounds().unwrap_or(Bounds { min: DVec3::ZERO, max: DVec3::ZERO });
+    let wanted = shadows.casting(scene.shading.light, seed, (&bounds, cloud.len() as u64));
     let other = wanted.map(|wanted| texture.casting.differences(&wanted)).unwrap_or_default();
     let why = if clouds.len() > 1 {
         "stored for this cloud by itself".to_owned()

@@ -30,7 +30,7 @@ pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{Background, ImageSettings};
 pub use pellucid_core::color::ColorSpace;
 pub use pellucid_core::light::Light;
-pub use shading::{Edl, Formula, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
+pub use shading::{Edl, Formula, MAX_SHADOW_SAMPLES, MapResolution, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use strays::{Outliers, Strays};

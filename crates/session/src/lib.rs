@@ -26,6 +26,7 @@ mod uploaded;
 pub use assembled::{Assembled, Wanted};
 pub use measured::Measuring;
 pub use messages::{Messages, Silent};
+pub use notes::shadow_holes;
 pub use prepared::{Opened, Prepared};
 pub use request::{ChoiceRequest, FrameRequest, Request, SeeThrough, SeeThroughBy, inputs};
 pub use session::Session;

@@ -1,15 +1,16 @@
 //! Notes on a frame: warnings about whatever differs from the request, the opacity that was found, pictures that show
 //! nothing or surfaces alone, and the metadata of an image.
 
+use pellucid_core::cloud::light_image::{FEWEST, Holes, automatic_resolution};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::Applied;
 use pellucid_engine::methods::see_through::{self, OpacityFactor};
-use pellucid_engine::methods::{Frame, Renderer, spbr};
+use pellucid_engine::methods::{Frame, Renderer, shadows, spbr};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_scene::prepare::Arranged;
-use pellucid_scene::{CloudSettings, Family, Method, PeelLayers};
+use pellucid_scene::{CloudSettings, Family, MapResolution, Method, PeelLayers};
 use serde_json::{Value, json};
 
 use crate::ensemble_warnings;
@@ -45,6 +46,28 @@ pub fn warnings(prepared: &Prepared, cloud: &DeviceCloud, frame: &Frame, why: &s
         warnings.push(format!("[shadows] has no effect: method {name} takes no shadows ({why})"));
     }
     warnings
+}
+
+/// Says so where light falls through holes in the surfaces that cast shadows onto a cloud, and which settings help;
+/// `None` where they are few, or were not counted.
+pub fn shadow_holes(cloud: &DeviceCloud, frame: &Frame) -> Option<String> {
+    let holes = cloud.light_holes().filter(Holes::are_many)?;
+    // No scene has fewer pixels unless it asks for them: then there is nothing to advise.
+    let casting = shadows::casting(frame, cloud).filter(|casting| casting.resolution > FEWEST)?;
+    let given = frame.shadows?;
+    let share = 100.0 * holes.share();
+    let (resolution, auto) = (casting.resolution, automatic_resolution(&casting.light, &cloud.bounds(), cloud.drawn()));
+    // Pixels that are as many as points, unless the points are even fewer where it matters.
+    let fewer = if given.resolution != MapResolution::Auto && auto < resolution {
+        format!("shadows.resolution = \"auto\" ({auto})")
+    } else {
+        format!("a shadows.resolution below {resolution}")
+    };
+    Some(format!(
+        "shadows: light falls between the points: {share:.0}% of the surfaces in the light's image ({resolution} × {resolution} \
+         pixels) are holes; use {fewer}, or, where points are near each other, more iterations (shadows.fill, \
+         shadows.occlusion)"
+    ))
 }
 
 /// Says why an image of these points is empty; `None` if it isn't.

@@ -409,6 +409,8 @@ impl Session {
         if self.is_part {
             return Ok(());
         }
+        let holes = notes::shadow_holes(&self.uploaded.cloud, &self.frame);
+        holes.iter().for_each(|warning| self.told.to(messages).warn(warning));
         if let Some(empty) = notes::empty(image, self.prepared.points(), &self.frame.method) {
             messages.warn(&empty);
         } else if !std::mem::replace(&mut self.is_judged, true) {

@@ -224,7 +224,7 @@ fn prepared_text(prepared: &Prepared) -> String {
 }
 
 fn shadows_text(casting: &Casting) -> String {
-    let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = casting;
+    let Casting { light, samples, light_radius, resolution, fill, occlusion, min_layer_distance, seed } = casting;
     let (light, unit) = match light {
         Light::Position(position) => (format!("a light at {position}"), ""),
         Light::Direction(direction) => (format!("a light along {direction}"), "°"),
@@ -235,7 +235,10 @@ fn shadows_text(casting: &Casting) -> String {
     } else {
         String::new()
     };
-    format!("\n  shadows     {light}{soft}, {resolution} × {resolution} pixels, surfaces {min_layer_distance} apart")
+    format!(
+        "\n  shadows     {light}{soft}, {resolution} × {resolution} pixels, surfaces {min_layer_distance} apart, fill {fill}, \
+         occlusion {occlusion}"
+    )
 }
 
 fn with_file(seen: &Seen) -> Value {

@@ -1,6 +1,6 @@
 //! `pellucid prepare`.
 
-use pellucid_session::describe_cloud;
+use pellucid_session::{describe_cloud, shadow_holes};
 use std::path::{Path, PathBuf};
 
 use super::bar::Bar;
@@ -105,9 +105,17 @@ pub struct PrepareArgs {
     /// Degrees around a direction, world units around a position.
     #[arg(long, value_name = "R", requires = "any_light")]
     light_radius: Option<String>,
-    /// Side of the shadow map in pixels; by default 1024.
+    /// Side of the shadow map in pixels; by default auto.
+    ///
+    /// auto gives each lit pixel about one point of the nearest surface, with 64 to 4096 pixels.
     #[arg(long, value_name = "N", requires = "any_light")]
     shadow_resolution: Option<String>,
+    /// Iterations that fill background between points of the shadow map, or auto; by default 1.
+    #[arg(long, value_name = "N", requires = "any_light")]
+    shadow_fill: Option<String>,
+    /// Iterations that replace points seen through holes of the shadow map, or auto; by default 1.
+    #[arg(long, value_name = "N", requires = "any_light")]
+    shadow_occlusion: Option<String>,
     /// Smallest distance between surfaces in world units; by default 1% of the diagonal of the bounds.
     #[arg(long, value_name = "D", requires = "any_light")]
     min_layer_distance: Option<String>,
@@ -171,6 +179,8 @@ impl PrepareArgs {
             ("shadow-samples", "shadows.samples", self.shadow_samples.clone()),
             ("light-radius", "shadows.light_radius", self.light_radius.clone()),
             ("shadow-resolution", "shadows.resolution", self.shadow_resolution.clone()),
+            ("shadow-fill", "shadows.fill", self.shadow_fill.clone()),
+            ("shadow-occlusion", "shadows.occlusion", self.shadow_occlusion.clone()),
             ("min-layer-distance", "shadows.min_layer_distance", self.min_layer_distance.clone()),
         ] {
             if let Some(value) = value {
@@ -197,6 +207,7 @@ impl PrepareArgs {
         let mut renderer = Renderer::new(&device)?;
         let mut uploaded = renderer.upload(&points)?;
         let casting = renderer.cast(&mut uploaded, &frame)?;
+        shadow_holes(&uploaded, &frame).iter().for_each(|warning| progress.console.warn(warning));
         let (found, mut lit) = (uploaded.lit()?, vec![1.0; cloud.len()]);
         for (m, place) in found.into_iter().zip(&points.file_order) {
             if let Some(at) = lit.get_mut(*place as usize) {

@@ -121,6 +121,8 @@ fn shadows_of_other_settings_are_cast_anew_with_a_note() {
         (samples, "samples = 6", "stored for other settings (samples); cast again"),
         ("light_radius = 4", "light_radius = 5", "stored for other settings (light_radius); cast again"),
         ("resolution = 64", "resolution = 32", "stored for other settings (resolution); cast again"),
+        ("resolution = 64", "resolution = 64\nfill = 0", "stored for other settings (fill); cast again"),
+        ("resolution = 64", "resolution = 64\nocclusion = 2", "stored for other settings (occlusion); cast again"),
         (samples, "min_layer_distance = 0.2", "stored for other settings (samples, min_layer_distance); cast again"),
         ("radius = 0.08", "radius = 0.08\nscale = 2.0", "stored for the cloud where it is in its file; cast again"),
         ("radius = 0.08", "translate = [1, 0, 0]", "stored for the cloud where it is in its file; cast again"),
@@ -211,13 +213,16 @@ fn shadows_that_were_changed_are_noticed() {
 fn a_light_that_can_not_be_is_one_error() {
     let folder = folder();
     write_source(&folder, "a.ply", true);
-    let cases: [(&[&str], i32, &str); 8] = [
+    let cases: [(&[&str], i32, &str); 11] = [
         (&["--light", "0,0,0"], 2, "a direction"),
         (&["--light", "1,2"], 2, "--light"),
         (&["--light-position", "1,2,x"], 2, "--light-position"),
         (&["--light", "0,-1,0", "--shadow-samples", "0"], 2, "--shadow-samples"),
         (&["--light", "0,-1,0", "--light-radius", "90"], 2, "below 90 degrees"),
         (&["--light", "0,-1,0", "--shadow-resolution", "99999"], 2, "from 1 to 16384"),
+        (&["--light", "0,-1,0", "--shadow-resolution", "many"], 2, "auto"),
+        (&["--light", "0,-1,0", "--shadow-fill", "257"], 2, "from 0 to 256"),
+        (&["--shadow-occlusion", "2"], 2, "--light"),
         (&["--light", "0,-1,0", "--light-position", "1,2,3"], 2, "cannot be used with"),
         (&["--shadow-samples", "5"], 2, "--light"),
     ];
@@ -245,4 +250,63 @@ fn auto_says_if_the_scene_has_no_opaque_method() {
     fs::write(inside(&folder, "s.toml"), text).unwrap();
     let (said, _, casts) = render(&folder, "a.ply");
     assert!(said.contains("[shadows] has no effect: method") && !casts, "{said}");
+}
+
+/// A disc of scattered points over a floor of others. Coordinates are multiples of irrational numbers (Roberts 2018):
+/// scattered, without gaps.
+fn write_disc(folder: &TempDir, name: &str, disc: u32, floor: u32) {
+    let place = |i: u32| [0.754_877_666, 0.569_840_291].map(|step: f64| (f64::from(i) * step).fract());
+    let on_floor = (0..floor).map(|i| DVec3::new(place(i)[0], place(i)[1], 0.0));
+    let above = (0..).map(|i| DVec3::new(place(i)[1], place(i)[0], 0.4));
+    let above = above.filter(|p| (p.x - 0.5).hypot(p.y - 0.5) < 0.3).take(disc as usize);
+    let positions: Vec<DVec3> = on_floor.chain(above).collect();
+    let colors = Some(vec![Vec3::ONE; positions.len()]);
+    io::ply::write(&inside(folder, name), &Cloud { positions, colors, ..Cloud::default() }).unwrap();
+}
+
+#[test]
+fn holes_in_shadows_are_warned_of_where_light_falls_through_them() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_disc(&folder, "a.ply", 2000, 20_000);
+    let device = device().map_or_else(Vec::new, |device| vec!["--device".to_owned(), device]);
+    let device: Vec<&str> = device.iter().map(String::as_str).collect();
+    let said = |args: &[&str]| {
+        let (code, _, stderr) = run(&folder, &[args, &device].concat());
+        assert_eq!(code, 0, "{stderr}");
+        stderr
+    };
+    let shown = |set: &[&str]| {
+        let light =
+            ["--set", "shading.model=lambert", "--set", "shading.light=[0, 0, -1]", "--set", "shadows.samples=1"];
+        let keys: Vec<&str> = set.iter().flat_map(|key| ["--set", *key]).collect();
+        let render = ["render", "a.ply", "-o", "1.png", "--method", "points", "--size", "80x60"];
+        said(&[&render[..], &light, &keys].concat())
+    };
+    // Half of 22 000 points on as many pixels are 105 columns.
+    let why = "light falls between the points";
+    let text = shown(&["shadows.resolution=1024"]);
+    assert!(text.contains(why) && text.contains("shadows.resolution = \"auto\" (105)"), "{text}");
+    assert!(text.contains("(1024 × 1024 pixels)"), "{text}");
+    // Automatic, and coarse.
+    assert!(!shown(&[]).contains(why));
+    assert!(!shown(&["shadows.resolution=64", "shadows.fill=0"]).contains(why));
+    // Points above nothing may have any holes.
+    write_disc(&folder, "a.ply", 0, 20_000);
+    assert!(!shown(&["shadows.resolution=1024"]).contains(why));
+    // So does `prepare`, which knows the same options.
+    write_disc(&folder, "a.ply", 2000, 20_000);
+    let light = ["prepare", "a.ply", "-o", "b.ply", "--light", "0,0,-1"];
+    let fine = ["--shadow-resolution", "1024", "--shadow-fill", "2", "--shadow-occlusion", "3"];
+    assert!(said(&[&light[..], &fine].concat()).contains(why));
+    assert!(run(&folder, &["info", "b.ply"]).1.contains("1024 × 1024 pixels, surfaces 0.0"));
+    assert!(run(&folder, &["info", "b.ply"]).1.contains("apart, fill 2, occlusion 3"));
+    assert!(!said(&light).contains(why));
+    let json: serde_json::Value = serde_json::from_str(&run(&folder, &["info", "--json", "b.ply"]).1).unwrap();
+    let shadows = &json["prepared"]["shadows"];
+    // One iteration of occlusion is left out, as in files of before it was a setting.
+    assert_eq!((&shadows["resolution"], &shadows["fill"]), (&105.into(), &1.into()));
+    assert!(shadows["occlusion"].is_null());
 }

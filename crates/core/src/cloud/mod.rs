@@ -7,6 +7,7 @@ pub mod facts;
 pub mod field;
 pub mod filter;
 pub mod gaussians;
+pub mod light_image;
 mod parts;
 pub mod sampling;
 pub mod sensor;

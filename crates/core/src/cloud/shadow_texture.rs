@@ -18,6 +18,12 @@ pub struct Casting {
     pub light_radius: f32,
     /// Side of the shadow map.
     pub resolution: u32,
+    /// Iterations of the filter of background. Textures that were stored before there was one had none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub fill: u32,
+    /// Iterations of the filter of occluded pixels. Textures that were stored before it was a setting had one.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub occlusion: u32,
     /// d̃ in world units.
     pub min_layer_distance: f32,
     /// Seed of the shifts of an area's lights; 0 without an area.
@@ -25,6 +31,11 @@ pub struct Casting {
 }
 
 impl Casting {
+    /// Returns how far the filters reach, in pixels of the map.
+    pub fn reach(&self) -> u32 {
+        self.fill.saturating_add(self.occlusion)
+    }
+
     /// Returns the settings that differ from `other`, by their names in a scene.
     pub fn differences(&self, other: &Self) -> Vec<&'static str> {
         [
@@ -32,6 +43,8 @@ impl Casting {
             ("samples", self.samples != other.samples),
             ("light_radius", self.light_radius != other.light_radius),
             ("resolution", self.resolution != other.resolution),
+            ("fill", self.fill != other.fill),
+            ("occlusion", self.occlusion != other.occlusion),
             ("min_layer_distance", self.min_layer_distance != other.min_layer_distance),
             ("seed", self.seed != other.seed),
         ]
@@ -39,6 +52,18 @@ impl Casting {
         .filter_map(|(name, differs)| differs.then_some(name))
         .collect()
     }
+}
+
+fn is_zero(iterations: &u32) -> bool {
+    *iterations == 0
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn is_one(iterations: &u32) -> bool {
+    *iterations == 1
 }
 
 /// A shadow texture that is stored with a cloud.

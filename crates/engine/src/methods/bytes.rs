@@ -70,7 +70,7 @@ impl PassRuns<'_> {
             // Runs have some of the points then, and how many is not known.
             name if name.starts_with("shadows/") && self.cloud.supply().is_some() => None,
             name if name.starts_with("shadows/") => {
-                let resolution = self.frame.shadows.map_or(0, |shadows| shadows.resolution);
+                let resolution = shadows::casting(self.frame, self.cloud).map_or(0, |casting| casting.resolution);
                 let chunks = self.cloud.chunks().count() as u64;
                 shadows::least_bytes(name, self.runs, self.facts.points, chunks, resolution)
             }

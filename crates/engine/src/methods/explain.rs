@@ -165,13 +165,25 @@ impl FramePlan<'_> {
         let stored = "the cloud already holds the light of each point";
         let shadows = self.frame.shadows.unwrap_or_default();
         let samples = if shadows.light_radius == 0.0 { 1 } else { shadows.samples };
-        let images = format!("{samples} light(s), {views} image(s) of {0} × {0} pixels", shadows.resolution);
+        let images = format!("{samples} light(s), {views} image(s) of {0} × {0} pixels", self.facts.light_resolution);
+        let (fill, occlusion) = (shadows.fill.most(), shadows.occlusion.most());
         let points = self.facts.points;
         for (name, reason) in shadows::PASSES.into_iter().zip([
             format!("{points} points start as lit by every light; later frames reuse the result"),
             format!("{images} start empty"),
             format!("{images} receive the nearest depths"),
-            "closes holes in surfaces, so that no light falls through".to_owned(),
+            "no block has a surface and no hole is counted yet".to_owned(),
+            "finds where the first light's image has surfaces, to tell the holes in them".to_owned(),
+            match fill {
+                0 => "the filter is switched off".to_owned(),
+                _ => format!("{fill} iteration(s) fill background between points"),
+            },
+            match (fill, occlusion) {
+                (0, 0) => "the filter is switched off: depths stay as they are".to_owned(),
+                (_, 0) => "the filter is switched off".to_owned(),
+                _ => format!("{occlusion} iteration(s) close holes in surfaces, so that no light falls through"),
+            },
+            "counts the holes that are left in the first light's image".to_owned(),
             format!("compares {points} points with the nearest depths of each light"),
             format!("turns the number of lights that reach a point into a share of {samples}"),
         ]) {
@@ -183,7 +195,13 @@ impl FramePlan<'_> {
                 }
                 None => reason,
             };
-            let on = refusal.is_none() && views > 0 && (name != "shadows/share" || samples > 1);
+            let is_asked = match name {
+                "shadows/share" => samples > 1,
+                "shadows/fill" => fill > 0,
+                "shadows/occlusion" => occlusion > 0 || fill == 0,
+                _ => true,
+            };
+            let on = refusal.is_none() && views > 0 && is_asked;
             self.add(name, on, reason);
         }
     }

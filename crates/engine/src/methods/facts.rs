@@ -79,6 +79,8 @@ pub struct Facts {
     pub layered: u64,
     /// Images through the eyes of a light that were made for shadows: 0 without shadows, and where the cloud has them.
     pub light_views: u64,
+    /// Columns and rows of these images.
+    pub light_resolution: u32,
     /// Windows of the image.
     pub windows: u64,
     /// Largest number of device bytes at any time of the frame, cloud and image included.

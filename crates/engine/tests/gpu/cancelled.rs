@@ -62,7 +62,7 @@ fn frames() -> Vec<Frame> {
     let light = Light::Direction(glam::DVec3::new(-1.0, -2.0, -0.5));
     all.push(Frame {
         shading: Shading { model: ShadingModel::Lambert, light, ..Shading::default() },
-        shadows: Some(Shadows { samples: 3, light_radius: 10.0, resolution: 64, min_layer_distance: None }),
+        shadows: Some(Shadows { samples: 3, light_radius: 10.0, ..Shadows::default() }),
         ..plain(Method::Points)
     });
     all.push(Frame { memory_budget: Some(64 << 10), ..plain(Method::ABuffer(Default::default())) });

@@ -170,7 +170,7 @@ fn shadows_are_cast_by_the_points_of_the_level() {
     let light = Light::Direction(glam::DVec3::new(0.3, 0.2, -0.9));
     let lit = Frame {
         shading: Shading { model: ShadingModel::Lambert, light, ..Shading::default() },
-        shadows: Some(Shadows { samples: 1, light_radius: 0.0, resolution: 96, min_layer_distance: None }),
+        shadows: Some(Shadows::default()),
         ..Frame::of_scene(&scene, camera, 3)
     };
     with_device(|device| {

@@ -15,8 +15,8 @@ use pellucid_reference as reference;
 use pellucid_reference::range::{ROUNDING, Range};
 use pellucid_reference::shadows::Frames;
 use pellucid_scene::{
-    BlendedSplats, Discs, ImageSpace, Interpolated, Light, Method, PeelLayers, ScreenSplats, Shading, ShadingModel,
-    Shadows,
+    BlendedSplats, Discs, ImageSpace, Interpolated, Iterations, Light, MapResolution, Method, PeelLayers, ScreenSplats,
+    Shading, ShadingModel, Shadows,
 };
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
@@ -30,7 +30,14 @@ fn lamp(light: Light) -> Shading {
 }
 
 fn hard(resolution: u32, distance: f32) -> Shadows {
-    Shadows { samples: 1, light_radius: 0.0, resolution, min_layer_distance: Some(distance) }
+    Shadows {
+        samples: 1,
+        light_radius: 0.0,
+        resolution: MapResolution::Pixels(resolution),
+        fill: Iterations::Count(0),
+        occlusion: Iterations::Count(1),
+        min_layer_distance: Some(distance),
+    }
 }
 
 /// A white point in pixel coordinates for [`pixel_camera`].
@@ -236,7 +243,7 @@ fn half_a_disc_of_light_is_half_the_light() {
             for samples in [16u32, 100, 400] {
                 let mut means = [0f64; 64];
                 for seed in 0..3 {
-                    let shadows = Shadows { samples, light_radius, resolution: 360, min_layer_distance: Some(5.0) };
+                    let shadows = Shadows { samples, light_radius, ..hard(360, 5.0) };
                     let frame = Frame { seed, ..lit_frame(camera(size, 70.0), size, light, shadows) };
                     let image = render(device, &scene(&points), &frame);
                     for (x, mean) in means.iter_mut().enumerate() {
@@ -343,12 +350,18 @@ fn textures(device: &Device, points: &Points, light: Light, shadows: Shadows, se
     let found = cloud.lit().expect("it can be read");
     let bounds = points.bounds().expect("there are points");
     let cameras = |i: u32| -> Frames {
-        let views = lights::views(lights::light(&casting, &bounds, i), &bounds, casting.resolution);
+        let light = lights::light(&casting, &bounds, i);
+        let views = lights::views(light, &bounds, casting.resolution, casting.reach());
         views.iter().map(|view| view.camera).collect()
     };
     let cameras: Vec<Frames> = (0..casting.samples).map(cameras).collect();
-    let distance = f64::from(casting.min_layer_distance);
-    (found, reference::shadows::share_ranges(&cameras, casting.resolution, points, distance))
+    let map = reference::shadows::Map {
+        resolution: casting.resolution,
+        fill: casting.fill,
+        occlusion: casting.occlusion,
+        distance: casting.min_layer_distance.into(),
+    };
+    (found, reference::shadows::share_ranges(&cameras, map, points))
 }
 
 /// The points that have another m, which is a quotient of whole numbers.
@@ -394,7 +407,14 @@ fn jumble(normals: bool) -> Vec<P> {
     soup(12, 6000, 0.02..0.1, 0.1..0.9, normals)
 }
 
-const AREA: Shadows = Shadows { samples: 5, light_radius: 4.0, resolution: 64, min_layer_distance: Some(0.1) };
+const AREA: Shadows = Shadows {
+    samples: 5,
+    light_radius: 4.0,
+    resolution: MapResolution::Pixels(64),
+    fill: Iterations::Count(1),
+    occlusion: Iterations::Count(1),
+    min_layer_distance: Some(0.1),
+};
 const SUN: Light = Light::Direction(DVec3::new(0.5, -1.0, -0.4));
 
 #[test]
@@ -467,7 +487,9 @@ fn a_texture_is_cast_once_and_belongs_to_its_light() {
                     ..frame
                 },
                 Frame { shadows: Some(Shadows { light_radius: 40.0, ..AREA }), ..frame },
-                Frame { shadows: Some(Shadows { resolution: 16, ..AREA }), ..frame },
+                Frame { shadows: Some(Shadows { resolution: MapResolution::Pixels(16), ..AREA }), ..frame },
+                Frame { shadows: Some(Shadows { fill: Iterations::Count(4), ..AREA }), ..frame },
+                Frame { shadows: Some(Shadows { occlusion: Iterations::Count(0), ..AREA }), ..frame },
                 Frame { shadows: Some(Shadows { min_layer_distance: Some(0.5), ..AREA }), ..frame },
                 Frame { seed: 9, ..frame },
             ];

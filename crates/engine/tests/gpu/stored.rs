@@ -13,7 +13,7 @@ use pellucid_io::store::build::Settings;
 use pellucid_io::store::{MemoryStore, Store};
 use pellucid_scene::prepare::{self, Arranged, Request};
 use pellucid_scene::stored::{Stored, open_stores};
-use pellucid_scene::{self as scene, Method, Overrides, Scene};
+use pellucid_scene::{self as scene, MapResolution, Method, Overrides, Scene};
 use pellucid_testing::{bits, by_windows, random, with_device};
 use rand::RngExt;
 
@@ -500,14 +500,14 @@ fn shadows_are_cast_by_all_points_of_stores() {
     let path = store(folder.path(), "lit", cloud(1, 20_000));
     // Hard and soft ones of the sun, and those of a lamp among the points, which takes six images.
     let lights = [
-        ("light = [0.3, 0.2, -0.9]", "samples = 1"),
+        ("light = [0.3, 0.2, -0.9]", "samples = 1\nresolution = 96"),
         ("light = [0.3, 0.2, -0.9]", "samples = 3\nlight_radius = 4.0"),
-        ("light = { position = [0.1, 0.2, 0.6] }", "samples = 2\nlight_radius = 0.05"),
+        ("light = { position = [0.1, 0.2, 0.6] }", "samples = 2\nlight_radius = 0.05\nfill = 3"),
     ];
     for (light, shadows) in lights {
         let text = format!(
             "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\nambient = 0.1\ndiffuse = 0.9\n{light}\n\
-             [shadows]\nresolution = 96\n{shadows}\n[[cloud]]\npath = '{}'\n",
+             [shadows]\n{shadows}\n[[cloud]]\npath = '{}'\n",
             path.display()
         );
         let methods = Method::all().into_iter().filter(Method::takes_shadows);
@@ -517,7 +517,7 @@ fn shadows_are_cast_by_all_points_of_stores() {
     // Frames of other lights, and of none, one after the other; and images that don't fit.
     let (light, shadows) = lights[0];
     let text = format!(
-        "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\n{light}\n[shadows]\nresolution = 96\n{shadows}\n\
+        "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\n{light}\n[shadows]\n{shadows}\n\
          [[cloud]]\npath = '{}'\n",
         path.display()
     );
@@ -540,7 +540,7 @@ fn shadows_are_cast_by_all_points_of_stores() {
         });
         assert!(images[0] != images[1] && images[1] != images[2] && images[0] != images[2]);
         let mut large = Frame { memory_budget: Some(ROOMY), ..lit };
-        large.shadows.as_mut().unwrap().resolution = 1024;
+        large.shadows.as_mut().unwrap().resolution = MapResolution::Pixels(1024);
         let error = renderer.render(&mut cloud, &large).unwrap_err().to_string();
         assert!(error.contains("1024 × 1024 pixels, 1 in all") && error.contains("--memory-budget"), "{error}");
     });

@@ -71,7 +71,7 @@ fn points_without_normals_find_their_shares_of_light_window_by_window() {
     assert!(points.normals.is_none());
     let lamp = Light::Direction(DVec3::new(0.3, -0.8, 0.1).normalize());
     let shading = Shading { model: ShadingModel::Lambert, light: lamp, ..Shading::default() };
-    let shadows = Some(Shadows { samples: 2, light_radius: 3.0, resolution: 64, min_layer_distance: None });
+    let shadows = Some(Shadows { samples: 2, light_radius: 3.0, ..Shadows::default() });
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
         for method in Method::all().into_iter().filter(|method| method.name() == "circles") {
@@ -84,6 +84,8 @@ fn points_without_normals_find_their_shares_of_light_window_by_window() {
             let small = Frame { memory_budget: Some(9 << 20), ..whole };
             let found = renderer.render(&mut supplied, &small).expect("a frame");
             assert!(found.facts.windows > 1 && bits(&found.image) == bits(&expected.image));
+            // The same image of the same light has the same holes.
+            assert!(cloud.light_holes().is_some() && supplied.light_holes() == cloud.light_holes());
         }
     });
 }

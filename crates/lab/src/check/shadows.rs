@@ -5,8 +5,12 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use super::prelude::*;
+use pellucid_core::cloud::Bounds;
+use pellucid_core::cloud::shadow_texture::Casting;
 use pellucid_engine::methods::shadows::lights;
-use pellucid_scene::{Light, Shading, ShadingModel, Shadows};
+use pellucid_reference::range::Range;
+use pellucid_reference::shadows::{Map, share_ranges};
+use pellucid_scene::{Iterations, Light, MapResolution, Shading, ShadingModel, Shadows};
 
 const DOWN: Light = Light::Direction(DVec3::NEG_Z);
 const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
@@ -28,11 +32,24 @@ pub(super) fn cases() -> Vec<Case> {
         one("shadows/along", "light along a plane: it reaches ten times d̃, and no farther", along),
         one("shadows/one-pixel", "a light's image of one pixel: what is behind its only depth is dark", one_pixel),
         one("shadows/all-equal", "1 and 500 points in one place, the lamp above, beside and in it: lit", all_equal),
+        one("shadows/sparse", "scattered points over a floor: thousandths of its points that are lit", sparse),
+        one(
+            "shadows/seams",
+            "a lamp in a ball of scattered points in another: thousandths of that one that are lit",
+            seams,
+        ),
     ]
 }
 
 fn hard(resolution: u32, distance: f32) -> Shadows {
-    Shadows { samples: 1, light_radius: 0.0, resolution, min_layer_distance: Some(distance) }
+    Shadows {
+        samples: 1,
+        light_radius: 0.0,
+        resolution: MapResolution::Pixels(resolution),
+        fill: Iterations::Count(0),
+        occlusion: Iterations::Count(1),
+        min_layer_distance: Some(distance),
+    }
 }
 
 fn lit_frame(light: Light, shadows: Shadows, seed: u64) -> Frame {
@@ -100,7 +117,7 @@ fn behind(stage: &mut CaseRenderer) -> CaseResult {
     // Without the filter of occluded pixels light falls through the free ones.
     let mut naive = 0;
     if let Some(bounds) = points.bounds() {
-        for view in lights::views(DOWN, &bounds, resolution) {
+        for view in lights::views(DOWN, &bounds, resolution, 1) {
             let (below, above): (Vec<DVec3>, Vec<DVec3>) = points.positions.iter().partition(|p| is_floor(p));
             let covered: HashSet<[u32; 2]> = hit(&view.camera, resolution, &above).into_iter().collect();
             naive += hit(&view.camera, resolution, &below).iter().filter(|pixel| !covered.contains(*pixel)).count();
@@ -134,7 +151,7 @@ fn half_a_disc(stage: &mut CaseRenderer) -> CaseResult {
     // One light in the middle: fully lit or dark, depending on a point of the lid on its pixel.
     let is_lid = |p: &&DVec3| p.z == -LID;
     let is_covered = points.bounds().is_some_and(|bounds| {
-        let views = lights::views(DOWN, &bounds, resolution);
+        let views = lights::views(DOWN, &bounds, resolution, 1);
         let pixels = |positions: &[DVec3]| -> HashSet<[u32; 2]> {
             views.iter().flat_map(|view| hit(&view.camera, resolution, positions)).collect()
         };
@@ -243,4 +260,72 @@ fn all_equal(stage: &mut CaseRenderer) -> CaseResult {
         }
     }
     Ok(Finding::new(error, 0.0, naive as f64))
+}
+
+/// Ranges that roundings may give to the share of light of each point, in images with `reach` pixels around the faces
+/// of a cube.
+fn share_bounds(points: &Points, light: Light, shadows: Shadows, reach: impl Fn(&Casting) -> u32) -> Vec<Range> {
+    let zero = Bounds { min: DVec3::ZERO, max: DVec3::ZERO };
+    let bounds = points.bounds().unwrap_or(zero);
+    let Some(casting) = shadows.casting(light, 0, (&bounds, points.len() as u64)) else { return Vec::new() };
+    let Casting { resolution, fill, occlusion, min_layer_distance, .. } = casting;
+    let views = lights::views(light, &bounds, resolution, reach(&casting));
+    let cameras = vec![views.iter().map(|view| view.camera).collect()];
+    share_ranges(&cameras, Map { resolution, fill, occlusion, distance: min_layer_distance.into() }, points)
+}
+
+/// Casts shadows by settings, and counts the points among `dark` that are lit, of a thousand; the bound is what
+/// roundings may make of the float64 reference's.
+fn leak(
+    (stage, points): (&mut CaseRenderer, &Points),
+    (light, shadows): (Light, Shadows),
+    dark: impl Fn(&DVec3) -> bool,
+    naive: &[Range],
+) -> CaseResult {
+    let places: Vec<usize> = (0..points.len()).filter(|i| dark(&points.positions[*i])).collect();
+    let of = |m: &dyn Fn(usize) -> f64| 1000.0 * places.iter().map(|i| m(*i)).sum::<f64>() / places.len() as f64;
+    let found = shares(stage, points, &lit_frame(light, shadows, 0))?;
+    let allowed = share_bounds(points, light, shadows, Casting::reach);
+    // A point beyond its bounds is one too many, whichever way.
+    let off = (0..points.len()).filter(|i| !allowed[*i].covers(f64::from(found[*i]), 0.0)).count();
+    let error = if off > 0 { f64::INFINITY } else { of(&|i| f64::from(found[i])) };
+    Ok(Finding::new(error, of(&|i| allowed[i].high), of(&|i| naive[i].low)))
+}
+
+/// A number in [0, 1), as if at random, and the same everywhere.
+fn scattered(i: u32, k: u32) -> f64 {
+    let word = pellucid_core::random::threefry2x32([i, k], [0x5eed, 0])[0];
+    f64::from(word) / 4_294_967_296.0
+}
+
+fn sparse(stage: &mut CaseRenderer) -> CaseResult {
+    let on = |i: u32, k: u32, from: f64, to: f64, depth: f64| {
+        let place = |k| from + (to - from) * scattered(i, k);
+        Dot { position: DVec3::new(place(k), -place(k + 1), -depth), ..Dot::default() }
+    };
+    let lid = (0..5000).map(|i| on(i, 0, 12.0, 36.0, LID));
+    let floor = (0..15_000).map(|i| on(i, 2, 0.0, 48.0, FLOOR));
+    let points = cloud(&lid.chain(floor).collect::<Vec<_>>());
+    let shadows = Shadows { min_layer_distance: Some(5.0), ..Shadows::default() };
+    let below = |p: &DVec3| p.z == -FLOOR && [p.x, -p.y].into_iter().all(|at| (13.0..35.0).contains(&at));
+    // A map of any cloud, and one filter.
+    let naive = share_bounds(&points, DOWN, hard(512, 5.0), Casting::reach);
+    leak((stage, &points), (DOWN, shadows), below, &naive)
+}
+
+fn seams(stage: &mut CaseRenderer) -> CaseResult {
+    let ball = |radius: f64, count: u32, k: u32| {
+        (0..count).map(move |i| {
+            let (z, turn) = (2.0 * scattered(i, k) - 1.0, 2.0 * PI * scattered(i, k + 1));
+            let ring = (1.0 - z * z).sqrt();
+            Dot { position: radius * DVec3::new(ring * turn.cos(), ring * turn.sin(), z), ..Dot::default() }
+        })
+    };
+    let points = cloud(&ball(10.0, 3000, 4).chain(ball(20.0, 6000, 6)).collect::<Vec<_>>());
+    let lamp = Light::Position(DVec3::new(0.3, -0.2, 0.1));
+    let [fill, occlusion] = [Iterations::Count(6); 2];
+    let shadows = Shadows { fill, occlusion, ..hard(64, 3.0) };
+    // Images that end a pixel beyond their faces: filters find nothing there.
+    let naive = share_bounds(&points, lamp, shadows, |_| 0);
+    leak((stage, &points), (lamp, shadows), |p| p.length() > 15.0, &naive)
 }

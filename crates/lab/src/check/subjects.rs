@@ -19,9 +19,9 @@ use pellucid_scene::prepare::Arranged;
 use pellucid_scene::prepare::{ensembles, order};
 use pellucid_scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, GaussianSettings, Hybrid, ImageSpace,
-    Interpolated, Iterations, Kernel, Light, LongLists, Method, MethodChoice, Mlab, MomentCount, Moments, OneLayer,
-    Order, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr,
-    SpbrSimplified, SplatShape, Stochastic, Tail, Wavelet,
+    Interpolated, Iterations, Kernel, Light, LongLists, MapResolution, Method, MethodChoice, Mlab, MomentCount,
+    Moments, OneLayer, Order, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft,
+    SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic, Tail, Wavelet,
 };
 
 pub use compared::compared;
@@ -182,7 +182,8 @@ fn encoded(frame: &mut Frame) {
 /// Shadows of that light, which is a small ball.
 fn shadowed(frame: &mut Frame) {
     lit(frame);
-    frame.shadows = Some(Shadows { samples: 3, light_radius: 0.2, resolution: 48, min_layer_distance: None });
+    frame.shadows =
+        Some(Shadows { samples: 3, light_radius: 0.2, resolution: MapResolution::Pixels(48), ..Shadows::default() });
 }
 
 /// Transparent discs, and their approximations.

@@ -5,30 +5,30 @@ use glam::DVec3;
 
 use super::super::image_space::{Home, homes, nearest_ranges};
 use super::super::range::{ROUNDING, Range};
-use super::{Frames, LEAST_COS};
+use super::{Frames, LEAST_COS, Map};
 use crate::View;
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 
 /// Returns the m of each point that float32 may find. Arguments as those of [`super::shares`], of at least one light.
-pub fn share_ranges(lights: &[Frames], resolution: u32, points: &Points, distance: f64) -> Vec<Range> {
+pub fn share_ranges(lights: &[Frames], map: Map, points: &Points) -> Vec<Range> {
     let mut sums = vec![Range::only(0.0); points.len()];
     for light in lights {
-        let lit = lit(light, resolution, points, distance);
+        let lit = lit(light, map, points);
         sums.iter_mut().zip(lit).for_each(|(sum, lit)| *sum = *sum + lit);
     }
     sums.into_iter().map(|sum| sum.scaled(1.0 / lights.len() as f64)).collect()
 }
 
 /// 1 for the points that a light reaches, 0 for those in its shadow.
-fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec<Range> {
-    let distance = Range::around(distance, ROUNDING * distance);
-    let images: Vec<Vec<Range>> = light.iter().map(|camera| depths(camera, resolution, points, distance)).collect();
+fn lit(light: &[Camera], map: Map, points: &Points) -> Vec<Range> {
+    let distance = Range::around(map.distance, ROUNDING * map.distance);
+    let images: Vec<Vec<Range>> = light.iter().map(|camera| depths(camera, map, points, distance)).collect();
     let lit = |index: usize| {
         let position = points.positions[index];
         let seen = light.iter().zip(&images).flat_map(|(camera, depths)| {
             let limit = reach(points, index, camera, distance);
-            let homes = homes(View::new(camera, [resolution; 2]), position);
+            let homes = homes(View::new(camera, [map.resolution; 2]), position);
             homes.into_iter().map(move |home| (home, is_lit(home, depths[home.pixel], limit)))
         });
         let seen: Vec<(Home, Range)> = seen.collect();
@@ -40,11 +40,12 @@ fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec
 }
 
 /// See [`super::reference_depths`].
-fn depths(camera: &Camera, resolution: u32, points: &Points, distance: Range) -> Vec<Range> {
-    let view = View::new(camera, [resolution; 2]);
+fn depths(camera: &Camera, map: Map, points: &Points, distance: Range) -> Vec<Range> {
+    let view = View::new(camera, [map.resolution; 2]);
     let everything = vec![Range::only(f64::NEG_INFINITY); view.pixels()];
     let nearest = nearest_ranges(view, points, false, &everything, |_| [0.0; 4]);
-    nearest.occluded_replaced(distance).depth
+    let filled = (0..map.fill).fold(nearest, |layer, _| layer.filled());
+    (0..map.occlusion).fold(filled, |layer, _| layer.occluded_replaced(distance)).depth
 }
 
 /// Distance behind the reference depth a point is lit: `distance` / max(|n_z|, 0.1). The cosine is a sum of three

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::*;
 use pellucid_reference::coverage::possible;
 use pellucid_reference::range::{PictureRange, ROUNDING as ROUNDED, Range};
-use pellucid_reference::shadows::{Frames, frames, share_ranges, shares};
+use pellucid_reference::shadows::{Frames, Map, frames, share_ranges, shares};
 use pellucid_reference::spbr::Rule;
 use pellucid_reference::{image_space, peel_layers, spbr, splats};
 use pellucid_scene::prepare::ensembles::{CloudSurface, Dealt};
@@ -169,8 +169,11 @@ fn ranges_contain_the_exact_values_and_most_are_closed() {
     let lights: Vec<Frames> = [Light::Direction(DVec3::NEG_Y), Light::Position(DVec3::new(0.1, 0.2, 0.0))]
         .map(|light| frames(&light, &bounds, 40))
         .to_vec();
-    let exact = shares(&lights, 40, &all, 0.1);
-    let ranges = share_ranges(&lights, 40, &all, 0.1);
+    let map = Map { resolution: 40, fill: 2, occlusion: 3, distance: 0.1 };
+    let (exact, ranges) = (shares(&lights, map, &all), share_ranges(&lights, map, &all));
+    assert!(exact.iter().zip(&ranges).all(|(m, range)| range.covers(*m, ROUNDED)));
+    let map = Map { fill: 0, occlusion: 1, ..map };
+    let (exact, ranges) = (shares(&lights, map, &all), share_ranges(&lights, map, &all));
     assert!(exact.iter().zip(&ranges).all(|(m, range)| range.covers(*m, ROUNDED)));
     // The frame of a light puts the sides of the box on borders of pixels; nothing else is open.
     let on_side = |p: DVec3| p.cmpeq(bounds.min).any() || p.cmpeq(bounds.max).any();

@@ -4,9 +4,14 @@ use glam::{DVec2, Vec3Swizzles};
 
 use super::*;
 use pellucid_core::cloud::Bounds;
-use pellucid_reference::shadows::{Frames, area, frames, lit, reference_depths, shares};
+use pellucid_reference::shadows::{Frames, Map, area, frames, holes, lit, reference_depths, shares};
 
 const RESOLUTION: u32 = 64;
+
+/// A map with one iteration of the filter of occluded pixels.
+fn map(resolution: u32, distance: f64) -> Map {
+    Map { resolution, fill: 0, occlusion: 1, distance }
+}
 
 /// A grid of n × n points around `center`, `side` wide, with two edges' directions.
 fn grid(center: DVec3, [u, v]: [DVec3; 2], side: f64, n: i32) -> Vec<DVec3> {
@@ -86,7 +91,7 @@ fn a_plane_alone_is_lit() {
                 // A pixel's depths differ by its width times the slope at most.
                 let pixel = side / 62.0;
                 let distance = pixel * degrees.to_radians().sin() + 1e-6;
-                let lit = lit(&light(DOWN, &points), RESOLUTION, &points, distance);
+                let lit = lit(&light(DOWN, &points), map(RESOLUTION, distance), &points);
                 assert!(lit.iter().all(|lit| *lit), "{degrees}°, {n}");
             }
         }
@@ -95,7 +100,7 @@ fn a_plane_alone_is_lit() {
     let (sin, cos) = 80f64.to_radians().sin_cos();
     let positions = grid(DVec3::ZERO, [DVec3::new(cos, 0.0, -sin), DVec3::Y], 2.0, 150);
     let bare = cloud(positions, Vec3::ZERO);
-    let lit = lit(&light(DOWN, &bare), RESOLUTION, &bare, 2.0 / 62.0);
+    let lit = lit(&light(DOWN, &bare), map(RESOLUTION, 2.0 / 62.0), &bare);
     assert!(lit.iter().any(|lit| !lit));
 }
 
@@ -117,13 +122,13 @@ fn points_that_a_plane_covers_are_dark() {
         let (points, dark) = covered(normal);
         let far = Light::Position(DVec3::new(0.0, 0.0, 1e5));
         for light in [light(DOWN, &points), light(far, &points)] {
-            let lit = lit(&light, RESOLUTION, &points, 0.1);
+            let lit = lit(&light, map(RESOLUTION, 0.1), &points);
             let clear: Vec<(bool, bool)> =
                 points.positions.iter().zip(&lit).filter_map(|(p, lit)| Some((dark(*p)?, *lit))).collect();
             assert!(clear.iter().all(|(dark, lit)| dark != lit));
             assert!(clear.iter().filter(|(dark, _)| *dark).count() > 200);
             // Nearer than d̃ they are one layer.
-            assert!(pellucid_reference::shadows::lit(&light, RESOLUTION, &points, 1.1).iter().all(|lit| *lit));
+            assert!(pellucid_reference::shadows::lit(&light, map(RESOLUTION, 1.1), &points).iter().all(|lit| *lit));
         }
     }
 }
@@ -139,10 +144,79 @@ fn holes_of_one_pixel_let_no_light_through() {
     let floor = grid(DVec3::new(0.0, 0.0, -5.0), FLAT, 9.0, 9);
     let count = lid.len();
     let points = cloud([lid, floor].concat(), Vec3::ZERO);
-    let lit = lit(std::slice::from_ref(camera), 9, &points, 0.5);
+    let lit = lit(std::slice::from_ref(camera), map(9, 0.5), &points);
     assert!(lit[..count].iter().all(|lit| *lit));
     assert!(lit[count..].iter().all(|lit| !lit));
-    assert!(reference_depths(camera, 9, &points, 0.5).iter().all(|z| *z == 2.0));
+    assert!(reference_depths(camera, map(9, 0.5), &points).iter().all(|z| *z == 2.0));
+}
+
+/// A point in the middle of each of these pixels of [`orthographic`]'s image, at a depth.
+fn pixels(places: impl IntoIterator<Item = [i32; 2]>, depth: f64) -> Vec<DVec3> {
+    places.into_iter().map(|[x, y]| DVec3::new(f64::from(x - 4), f64::from(4 - y), -depth)).collect()
+}
+
+fn square(range: std::ops::Range<i32>) -> impl Iterator<Item = [i32; 2]> + Clone {
+    range.clone().flat_map(move |y| range.clone().map(move |x| [x, y]))
+}
+
+#[test]
+fn background_in_a_hole_keeps_the_mask_until_it_is_filled() {
+    // A lid on 7 × 7 pixels with a hole of 3 × 3, in whose middle alone a floor shows.
+    let camera = &Camera { near: 0.0, ..orthographic() };
+    let lid = pixels(square(1..8).filter(|[x, y]| x.abs_diff(4).max(y.abs_diff(4)) > 1), 2.0);
+    let count = lid.len();
+    let points = cloud([lid, pixels([[4, 4]], 5.0)].concat(), Vec3::ZERO);
+    let middle = |fill: u32, occlusion: u32| {
+        let map = Map { fill, occlusion, ..map(9, 0.5) };
+        let lit = lit(std::slice::from_ref(camera), map, &points);
+        assert!(lit[..count].iter().all(|lit| *lit));
+        lit[count]
+    };
+    // The eight pixels around it are background, which lies beyond: all masks match, however often.
+    assert!(middle(0, 0) && middle(0, 1) && middle(0, 9));
+    // None of these has five neighbors of background in a row. One iteration fills all, and the next filter closes the
+    // middle.
+    assert!(middle(1, 0) && !middle(1, 1));
+    assert_eq!(reference_depths(camera, Map { fill: 1, ..map(9, 0.5) }, &points)[9 * 4 + 4], 2.0);
+}
+
+#[test]
+fn holes_are_what_the_filters_leave_in_blocks_within_a_surface() {
+    // 9 × 9 pixels are 3 × 3 blocks of 3: only the middle one has all eight around it, pixels 3 to 5.
+    let camera = &Camera { near: 0.0, ..orthographic() };
+    let lid =
+        |hole: i32| pixels(square(0..9).filter(move |[x, y]| [x, y].into_iter().any(|at| (*at - 4).abs() > hole)), 2.0);
+    let none = Map { fill: 0, occlusion: 0, ..map(9, 0.5) };
+    let of = |points: Vec<DVec3>, map: Map| holes(camera, map, &cloud(points, Vec3::ZERO), 3);
+    assert_eq!(of(lid(-1), none), [9, 0, 9, 0]);
+    // A hole of one pixel over nothing, and over a floor; filters close it.
+    assert_eq!(of(lid(0), none), [9, 1, 8, 0]);
+    let floor = pixels([[4, 4]], 5.0);
+    assert_eq!(of([lid(0), floor.clone()].concat(), none), [9, 1, 9, 1]);
+    assert_eq!(of(lid(0), Map { fill: 1, ..none }), [9, 0, 9, 0]);
+    assert_eq!(of([lid(0), floor.clone()].concat(), Map { occlusion: 1, ..none }), [9, 0, 9, 0]);
+    // Points no farther than d̃ behind are the surface itself.
+    assert_eq!(of([lid(0), pixels([[4, 4]], 2.5)].concat(), none), [9, 0, 9, 0]);
+    // A hole that is a whole block has no surface: it is an opening.
+    assert_eq!(of(lid(1), none), [0, 0, 0, 0]);
+    // A floor that shows through it is the surface there, as far as the farthest of the nine.
+    assert_eq!(of([lid(1), floor].concat(), none), [9, 8, 1, 0]);
+    // Blocks of four end beyond the image: 3 × 3 of them, whose middle is pixels 4 to 7.
+    assert_eq!(holes(camera, none, &cloud(lid(-1), Vec3::ZERO), 4), [16, 0, 16, 0]);
+}
+
+#[test]
+fn a_box_covers_its_outline() {
+    use pellucid_reference::shadows::covered;
+
+    let bounds = Bounds { min: DVec3::new(-1.0, 2.0, 10.0), max: DVec3::new(3.0, 3.0, 11.0) };
+    // 4 × 1 from above, on 62 of 64 pixels each way.
+    let free = (62.0f64 / 64.0).powi(2);
+    assert_close(covered(&frames(&DOWN, &bounds, RESOLUTION), &bounds), 0.25 * free, 1e-12);
+    // From 3 above its upper side all others are hidden.
+    let lamp = Light::Position(DVec3::new(1.0, 2.5, 14.0));
+    assert_close(covered(&frames(&lamp, &bounds, RESOLUTION), &bounds), 0.25 * free, 1e-12);
+    assert_eq!(covered(&frames(&Light::Position(bounds.center()), &bounds, RESOLUTION), &bounds), 6.0);
 }
 
 #[test]
@@ -159,7 +233,7 @@ fn a_light_in_the_cloud_shines_in_all_directions() {
     let points = cloud(inner.into_iter().chain(wall(2.0)).collect(), Vec3::ZERO);
     let light = light(Light::Position(DVec3::splat(0.01)), &points);
     assert_eq!(light.len(), 6);
-    let lit = lit(&light, RESOLUTION, &points, 0.2);
+    let lit = lit(&light, map(RESOLUTION, 0.2), &points);
     assert!(lit[..count].iter().all(|lit| *lit));
     assert!(lit[count..].iter().all(|lit| !lit));
 }
@@ -189,7 +263,7 @@ fn half_a_disc_of_light_is_half_the_light() {
     for (source, radius, reach) in [(DOWN, 10.0, slope), (Light::Position(near), 0.5, 0.5 / 2.0)] {
         let lights = area(&source, radius, &bounds, &disc(8, 50));
         let lights: Vec<Frames> = lights.iter().map(|light| frames(light, &bounds, 256)).collect();
-        let shares = shares(&lights, 256, &points, 0.1);
+        let shares = shares(&lights, map(256, 0.1), &points);
         for (p, m) in points.positions[below..].iter().zip(&shares[below..]) {
             // Share of the unit disc beyond the chord at −t.
             let t = match source {

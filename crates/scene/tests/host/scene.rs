@@ -350,10 +350,26 @@ fn shadows_are_read_where_there_is_a_light_that_casts_them() {
     let lambert = |light: &str| format!("[shading]\nmodel = \"lambert\"\nlight = {light}\n");
     let shaded = lambert("[0, -1, 0]");
     let of = |head: &str, keys: &str| with_cloud(&format!("{head}[shadows]\n{keys}"));
-    let default = Shadows { samples: 1, light_radius: 0.0, resolution: 1024, min_layer_distance: None };
-    let given = "method = \"texture\"\nsamples = 30\nlight_radius = 2.5\nresolution = 512\nmin_layer_distance = 0.1";
-    let all = Shadows { samples: 30, light_radius: 2.5, resolution: 512, min_layer_distance: Some(0.1) };
-    for (keys, wanted) in [("", default), (given, all)] {
+    let default = Shadows {
+        samples: 1,
+        light_radius: 0.0,
+        resolution: MapResolution::Auto,
+        fill: Iterations::Count(1),
+        occlusion: Iterations::Count(1),
+        min_layer_distance: None,
+    };
+    let given = "method = \"texture\"\nsamples = 30\nlight_radius = 2.5\nresolution = 512\nfill = 0\nocclusion = 256\nmin_layer_distance = 0.1";
+    let all = Shadows {
+        samples: 30,
+        light_radius: 2.5,
+        resolution: MapResolution::Pixels(512),
+        fill: Iterations::Count(0),
+        occlusion: Iterations::Count(256),
+        min_layer_distance: Some(0.1),
+    };
+    let words = "resolution = \"auto\"\nfill = \"auto\"\nocclusion = \"auto\"";
+    let auto = Shadows { fill: Iterations::Auto, occlusion: Iterations::Auto, ..default };
+    for (keys, wanted) in [("", default), (given, all), (words, auto)] {
         for light in ["[0, -1, 0]", "{ position = [0, 9, 0] }"] {
             // Only once the points are known does `auto` become a method that may or may not support shadows.
             for method in ["points", "circles", "splats", "auto"] {
@@ -369,6 +385,10 @@ fn shadows_are_read_where_there_is_a_light_that_casts_them() {
     assert!(refused(&format!("{shaded}{wide}\n{CLOUD}")).contains("below 90 degrees, found 90"));
     let lamp = format!("{}[method]\nname = \"points\"\n", lambert("{ position = [0, 9, 0] }"));
     assert_eq!(with_cloud(&format!("{lamp}{wide}")).shadows, Some(Shadows { light_radius: 90.0, ..default }));
+    for (keys, why) in [("resolution = 0", "1 to 16384"), ("fill = 257", "0 to 256"), ("occlusion = -1", "0 to 256")] {
+        let said = refused(&format!("[shadows]\n{keys}\n{CLOUD}"));
+        assert!(said.contains(why), "{said}");
+    }
     assert!(refused(&format!("[shadows]\nsample = 3\n{CLOUD}")).contains("did you mean `samples`?"));
 }
 

@@ -171,8 +171,10 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
     let keys: &[&str] = match model.scene().shadows {
         // Until they are cast, the scene doesn't say what they are like.
         None => &[],
-        Some(_) if light_radius > 0.0 => &["light_radius", "samples", "resolution", "min_layer_distance"],
-        Some(_) => &["light_radius", "resolution", "min_layer_distance"],
+        Some(_) if light_radius > 0.0 => {
+            &["light_radius", "samples", "resolution", "fill", "occlusion", "min_layer_distance"]
+        }
+        Some(_) => &["light_radius", "resolution", "fill", "occlusion", "min_layer_distance"],
     };
     for key in keys {
         let entry = controls::shadows(&shadows, shading.light, key, model.extent());
@@ -195,7 +197,7 @@ fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_scene::{CameraSettings, Document, Overrides};
+    use pellucid_scene::{CameraSettings, Document, Iterations, MapResolution, Overrides};
 
     #[test]
     fn angles_and_directions_are_the_same_light() {
@@ -240,7 +242,14 @@ mod tests {
         let text =
             "[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n[shading]\nmodel = 'lambert'\nlight = [0, 0, -1]\n";
         let light = Light::Direction(-DVec3::Z);
-        let soft = Shadows { samples: 16, light_radius: 12.5, resolution: 300, min_layer_distance: Some(0.25) };
+        let soft = Shadows {
+            samples: 16,
+            light_radius: 12.5,
+            resolution: MapResolution::Pixels(300),
+            fill: Iterations::Auto,
+            occlusion: Iterations::Count(3),
+            min_layer_distance: Some(0.25),
+        };
         for (kept, light, wanted) in [
             (None, light, Shadows::default()),
             (Some((soft, light)), light, soft),

@@ -197,8 +197,8 @@ fn stored_shadows_are_there_for_their_light_only() {
         .unwrap();
         let mut cloud = prepare::prepared(cloud(1, 60), &Request::default(), &Progress::hidden()).unwrap();
         let scene = document.scene().unwrap();
-        let diagonal = cloud.bounds().unwrap().diagonal();
-        let casting = scene.shadows.unwrap().casting(scene.shading.light, SEED, diagonal).unwrap();
+        let all = (&cloud.bounds().unwrap(), cloud.len() as u64);
+        let casting = scene.shadows.unwrap().casting(scene.shading.light, SEED, all).unwrap();
         let lit = (0..60).map(|i| (i % 3) as f32 / 2.0).collect();
         cloud.prepared.as_mut().unwrap().shadows = Some(ShadowTexture { casting, lit });
         let clouds = vec![cloud];

@@ -229,7 +229,7 @@ impl Renderer {
             engine.prepare(&self.device, cloud, frame)?;
         }
         let waits = self.device.waits();
-        let light_views = light_views(cloud, frame);
+        let lights = lights(cloud, frame);
         if !survey {
             self.cast_shadows(engine, cloud, frame, timeline)?;
         }
@@ -239,7 +239,7 @@ impl Renderer {
         if !survey || engine.renders_to_survey() {
             self.target.reserve(&self.device, largest(&windows))?;
         }
-        Ok(Begun { waits, light_views, budget, shading, windows })
+        Ok(Begun { waits, lights, budget, shading, windows })
     }
 
     /// Returns an image to draw into, and decides if its colors come to the host.
@@ -280,7 +280,7 @@ impl Renderer {
         (frame, image): (&Frame, &Image),
         cloud: &DeviceCloud,
     ) -> FrameProfile {
-        facts.light_views = begun.light_views;
+        (facts.light_views, facts.light_resolution) = begun.lights;
         let begin = timeline.start.unwrap_or_else(Instant::now);
         let wall = begin.elapsed();
         facts.peak_device_bytes = self.device.peak_bytes();
@@ -403,7 +403,8 @@ impl Renderer {
 struct Begun {
     /// Submissions that were waited for before.
     waits: u64,
-    light_views: u64,
+    /// Images of lights, and their columns and rows.
+    lights: (u64, u32),
     budget: Budget,
     /// Bytes of the budget for shading.
     shading: u64,
@@ -419,10 +420,10 @@ struct FrameKind {
     points: u64,
 }
 
-/// Returns the number of images from a light's point of view that a frame of a cloud needs.
-fn light_views(cloud: &DeviceCloud, frame: &Frame) -> u64 {
+/// Returns the number of images from a light's point of view that a frame of a cloud needs, and their columns and rows.
+fn lights(cloud: &DeviceCloud, frame: &Frame) -> (u64, u32) {
     let casting = shadows::casting(frame, cloud).filter(|casting| !cloud.has_cast(casting));
-    casting.map_or(0, |casting| shadows::image_count(&casting, cloud))
+    casting.map_or((0, 0), |casting| (shadows::image_count(&casting, cloud), casting.resolution))
 }
 
 /// Returns an image of a frame's size, in the memory of a spare one if that is as large. The values are arbitrary,

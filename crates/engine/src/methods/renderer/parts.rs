@@ -90,7 +90,7 @@ impl Renderer {
         let (budget, shading) = edl::divided(self.budget(engine, cloud, frame), frame);
         let windows = self.windows(engine, frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
-        let begun = Begun { waits, light_views: 0, budget, shading, windows };
+        let begun = Begun { waits, lights: (0, 0), budget, shading, windows };
         let mut image = self.begin_image(engine, frame)?;
         self.target.keeps_colors &= begun.windows.iter().all(|window| is_whole(*window, frame));
         let mut facts = self.begin_windows(cloud, frame);

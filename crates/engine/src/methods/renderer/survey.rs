@@ -16,7 +16,8 @@ impl Renderer {
         let engine = engine.as_ref();
         let mut timeline = Timeline::new(&self.progress);
         let begun = self.begin(engine, cloud, frame, &mut timeline, true)?;
-        let mut facts = Facts { light_views: begun.light_views, ..first_counts(cloud) };
+        let (light_views, light_resolution) = begun.lights;
+        let mut facts = Facts { light_views, light_resolution, ..first_counts(cloud) };
         let samples = 0..engine.samples(frame).unwrap_or(0);
         let job = Job { samples, survey: true, ..Job::new(engine, frame, begun.budget) };
         self.walk(cloud, &job, &begun.windows, &mut timeline, &mut facts, |_, _| Ok(()))?;

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
+use super::filters::{self, HoleCount};
 use super::lights::LightView;
 use super::{
-    LightFrame, check, depth_image, finish, look, nearest_image, pitch, record_fill, record_lit, record_nearest, start,
+    LightFrame, check, finish, light_image, look, natural, pitch, record_lit, record_nearest, record_surfaces, start,
     views,
 };
 use crate::cloud::shadow_texture::Casting;
@@ -44,7 +45,7 @@ pub(crate) fn see(
     check(resolution, device.limits().binding_bytes, u64::MAX)?;
     check_all(views.len() as u64, resolution, budget)?;
     cloud.set_light_images(None);
-    let images = views.iter().map(|_| nearest_image(device, resolution)).collect::<Result<Vec<_>, Error>>()?;
+    let images = views.iter().map(|_| light_image(device, resolution)).collect::<Result<Vec<_>, Error>>()?;
     let mut recorder = device.recorder()?;
     images.iter().try_for_each(|image| recorder.fill("shadows/clear", image.all(), u32::MAX))?;
     timeline.submit(recorder, "shadows/clear")?;
@@ -62,15 +63,23 @@ pub(crate) fn see(
         progress.inc(cloud.len());
         Ok(())
     })?;
+    let rest = budget.saturating_sub(bytes(views.len() as u64, resolution));
+    let count = HoleCount::new(device, casting, natural(casting, cloud), rest)?;
+    let of_first_light = super::views(casting, cloud).next().map_or(0, |views| views.len());
     let mut depths = Vec::with_capacity(images.len());
-    for image in images {
-        let filled = depth_image(device, resolution)?;
+    let mut spare = light_image(device, resolution)?;
+    for (i, mut image) in images.into_iter().enumerate() {
+        let counted = count.as_ref().filter(|_| i < of_first_light);
         let mut recorder = device.recorder()?;
-        record_fill(&mut recorder, (&image, &filled), casting)?;
-        timeline.submit(recorder, "shadows/fill")?;
-        depths.push(filled);
+        record_surfaces(&mut recorder, [&image, &spare], casting, counted.map(|count| (count, i == 0)))?;
+        timeline.submit(recorder, "shadows/occlusion")?;
+        if filters::last(casting) == 1 {
+            std::mem::swap(&mut image, &mut spare);
+        }
+        depths.push(image);
     }
-    cloud.set_light_images(Some(Arc::new(LightImages { casting: *casting, depths })));
+    let holes = count.map(|count| count.found()).transpose()?;
+    cloud.set_light_images(Some(Arc::new(LightImages { casting: *casting, depths, holes })));
     Ok(())
 }
 

@@ -6,13 +6,10 @@ use glam::{DVec2, DVec3};
 
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
+use crate::cloud::light_image::{WIDEST, axes, seen};
 use crate::cloud::shadow_texture::Casting;
 use crate::random::{key, threefry2x32};
 use crate::scene::Light;
-
-/// The tangent of the widest angle from the middle of a light's image to its border; wider scenes need a cube of
-/// images.
-const WIDEST: f64 = 1.732_050_807_568_877_2;
 
 /// Separates this module's random numbers from others of the same seed.
 const STREAM: [u32; 2] = [0x7368_6164, 0];
@@ -64,32 +61,28 @@ fn toward(position: DVec3, bounds: &Bounds) -> DVec3 {
     (bounds.center() - position).try_normalize().unwrap_or(DVec3::NEG_Y)
 }
 
-/// Returns the images of a light: one, or six if the points are all around it.
-pub fn views(light: Light, bounds: &Bounds, resolution: u32) -> Vec<LightView> {
+/// Returns the images of a light: one, or six if the points are all around it. `reach` is that of the filters, in
+/// pixels.
+pub fn views(light: Light, bounds: &Bounds, resolution: u32, reach: u32) -> Vec<LightView> {
     // A pixel on each side: rounding must not lose a point.
     let margin = 1.0 + 2.0 / f64::from(resolution);
     match light {
         Light::Direction(direction) => vec![along(direction, bounds, margin)],
         Light::Position(position) => match from(position, bounds, margin) {
             Some(view) => vec![view],
-            None => around(position, bounds, margin).to_vec(),
+            None => around(position, bounds, overlap(resolution, reach)).to_vec(),
         },
         Light::Headlight => Vec::new(),
     }
 }
 
-/// Axes of a camera that looks along `forward`: right and up.
-fn axes(forward: DVec3) -> [DVec3; 2] {
-    let up = forward.any_orthonormal_vector();
-    [forward.cross(up), up]
-}
-
-/// Corners of a box in the axes of a camera at `eye`.
-fn seen(eye: DVec3, [right, up]: [DVec3; 2], forward: DVec3, bounds: &Bounds) -> [DVec3; 8] {
-    bounds.corners().map(|corner| {
-        let p = corner - eye;
-        DVec3::new(p.dot(right), p.dot(up), p.dot(forward))
-    })
+/// The tangent of the angle from the middle of a face of a cube to the border of its image. Filters reach beyond the
+/// border of a face: what belongs to the next one has to be there. So many pixels lie around the face, and a pixel for
+/// rounding; but at most a quarter of the image on each side, and at least one pixel.
+fn overlap(resolution: u32, reach: u32) -> f64 {
+    let free = f64::from(reach.saturating_add(1).min(resolution / 4).max(1));
+    let resolution = f64::from(resolution);
+    1.0 + 2.0 * free / (resolution - 2.0 * (free - 1.0))
 }
 
 /// Orthographic, along a direction.
@@ -150,18 +143,21 @@ mod tests {
     use super::*;
     use crate::scene::Shadows;
 
+    /// Pixels that filters reach.
+    const REACH: u32 = 2;
+
     fn unit_box() -> Bounds {
         Bounds { min: DVec3::splat(-1.0), max: DVec3::ONE }
     }
 
     fn casting(light: Light, samples: u32, light_radius: f32, seed: u64) -> Casting {
         let shadows = Shadows { samples, light_radius, ..Shadows::default() };
-        shadows.casting(light, seed, 1.0).expect("it casts")
+        shadows.casting(light, seed, (&unit_box(), 1)).expect("it casts")
     }
 
     /// Asserts that some image has each corner of the bounds and their middle at least half a pixel from its border.
     fn assert_holds(light: Light, bounds: &Bounds, resolution: u32) -> Vec<LightView> {
-        let views = views(light, bounds, resolution);
+        let views = views(light, bounds, resolution, REACH);
         let side = f64::from(resolution);
         // A point at the light's own position has no defined image.
         let points = bounds.corners().into_iter().chain([bounds.center()]).filter(|p| light != Light::Position(*p));
@@ -196,10 +192,27 @@ mod tests {
     }
 
     #[test]
+    fn faces_of_a_cube_hold_what_filters_reach_beyond_them() {
+        for (resolution, reach) in [(1024, 1), (1024, 2), (64, 6), (256, 40)] {
+            for view in views(Light::Position(DVec3::ZERO), &unit_box(), resolution, reach) {
+                // The middle of an edge of the face: a pixel and so many beyond it are in the image.
+                let edge = view.camera.forward + view.camera.right;
+                let (at, _) = view.camera.project(edge, [resolution; 2]);
+                let pixels = f64::from(resolution) - at.x.floor() - 1.0;
+                assert!(pixels >= f64::from(reach) && pixels <= f64::from(reach) + 1.0, "{reach}: {pixels}");
+            }
+        }
+        // The old picture of one iteration of one filter had a pixel around the image; a small image has no more.
+        assert_eq!(overlap(1024, 0), 1.0 + 2.0 / 1024.0);
+        assert_eq!(overlap(4, 9), 1.5);
+        assert_eq!(overlap(1, 9), 3.0);
+    }
+
+    #[test]
     fn images_are_no_larger_than_the_points_need() {
         // The box from above: two units of 64 pixels, except for the margin; so far away that perspective vanishes.
         let pixel = |light| {
-            let camera = views(light, &unit_box(), 64)[0].camera;
+            let camera = views(light, &unit_box(), 64, REACH)[0].camera;
             camera.pixels_per_unit(camera.to_view(DVec3::ZERO).z, 64)
         };
         for light in [Light::Direction(DVec3::NEG_Y), Light::Position(DVec3::new(0.0, 1e5, 0.0))] {
@@ -212,7 +225,7 @@ mod tests {
         let bounds = Bounds { min: DVec3::ONE, max: DVec3::ONE };
         assert_holds(Light::Direction(DVec3::X), &bounds, 8);
         assert_holds(Light::Position(DVec3::ZERO), &bounds, 8);
-        assert_eq!(views(Light::Position(DVec3::ONE), &bounds, 8).len(), 6);
+        assert_eq!(views(Light::Position(DVec3::ONE), &bounds, 8, REACH).len(), 6);
     }
 
     #[test]

@@ -3,8 +3,10 @@
 //!
 //! For each light that stands for an area the points' smallest depths are found per pixel of a square image, holes in
 //! its surfaces filled, and all points compared with it: whoever lies more than d̃ / |n_z| behind loses that light.
-//! Counts are whole numbers, so that neither chunks nor the order of lights show.
+//! Counts are whole numbers, so that neither chunks nor the order of lights show. Holes that the filters leave are
+//! counted in the images of the first light.
 
+mod filters;
 mod images;
 pub mod lights;
 
@@ -13,12 +15,14 @@ pub(crate) use images::{see, share};
 use crate::progress::Progress;
 
 use super::{Error, Frame, Timeline};
+use crate::cloud::light_image::natural_resolution;
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};
 use crate::passes::project::{DeviceCloud, POINTS_RUN, PlacesGroup, PointsPush, Projecting, points_dispatch};
 use crate::scene::{Light, ShadingModel};
 use crate::{gpu_struct, pass};
+use filters::HoleCount;
 use lights::LightView;
 
 gpu_struct! {
@@ -26,13 +30,6 @@ gpu_struct! {
     pub struct SharePush {
         count: u32, // Points of the chunk.
         lights: u32,
-    }
-
-    /// Push constants of the filter.
-    pub struct FillPush {
-        columns: u32, // Columns by four, and rows.
-        rows: u32,
-        apart: f32, // Smallest distance of surfaces.
     }
 
     /// Parameters of a light for `shadows/lit`, beside its camera.
@@ -50,18 +47,11 @@ pass! {
     }
 
     /// Finds the pixel and depth of each point through a light's camera, and takes the 32-bit atomic minimum of the
-    /// depth key there. It runs, as `shadows/clear`, `shadows/fill` and `shadows/lit` do, once for each light, or for
-    /// each of its six faces.
+    /// depth key there. It runs, as `shadows/clear` and `shadows/lit` do, once for each light, or for each of its six
+    /// faces.
     pub Nearest(PointsPush) = "shadows/nearest" {
         places: Shared<PlacesGroup>,
         nearest: ReadWrite<u32>,
-    }
-
-    /// Closes holes of surfaces in a light's image by the occlusion filter, so that no light falls through them. An
-    /// invocation has four columns and eight rows.
-    pub Fill(FillPush) = "shadows/fill" {
-        nearest: Read<[u32; 4]>,
-        depths: ReadWrite<[f32; 4]>,
     }
 
     /// Finds the pixel of each point again, and takes one light from the points that lie behind the surface there by
@@ -80,23 +70,28 @@ pass! {
 }
 
 /// The passes, in the order of their first run.
-pub const PASSES: [&str; 6] =
-    ["shadows/start", "shadows/clear", "shadows/nearest", "shadows/fill", "shadows/lit", "shadows/share"];
+pub const PASSES: [&str; 10] = [
+    "shadows/start",
+    "shadows/clear",
+    "shadows/nearest",
+    "shadows/reset",
+    "shadows/blocks",
+    "shadows/fill",
+    "shadows/occlusion",
+    "shadows/leaks",
+    "shadows/lit",
+    "shadows/share",
+];
 
-/// Rows of pixels of one invocation of `shadows/fill`.
+/// Rows of pixels of one invocation of a filter.
 const FILL_ROWS: u64 = 8;
 
-/// Device bytes of a pixel of a light's image: the nearest depth, and what the filter makes of it.
+/// Device bytes of a pixel of a light's image: the depth before a filter, and what the filter makes of it.
 const PIXEL_BYTES: u64 = 8;
 
 /// The variant of `shadows/start` for a cloud with or without normals.
 fn start_variant(normals: bool) -> Variant {
     Variant::plain().with("NORMALS", u32::from(normals))
-}
-
-/// The variant of `shadows/fill`.
-fn fill_variant() -> Variant {
-    Variant::plain().with("RUN", FILL_ROWS as u32)
 }
 
 /// The variant of `shadows/nearest`.
@@ -127,7 +122,12 @@ pub fn refusal(frame: &Frame) -> Option<String> {
 /// Describes the shadows of a cloud in a frame; `None` if the frame has none.
 pub fn casting(frame: &Frame, cloud: &DeviceCloud) -> Option<Casting> {
     let shadows = frame.shadows.filter(|_| refusal(frame).is_none() && cloud.total() > 0)?;
-    shadows.casting(frame.shading.light, frame.seed, cloud.diagonal())
+    shadows.casting(frame.shading.light, frame.seed, (&cloud.bounds(), cloud.drawn()))
+}
+
+/// Columns and rows at which a pixel of a light's image holds about one point.
+fn natural(casting: &Casting, cloud: &DeviceCloud) -> f64 {
+    natural_resolution(&casting.light, &cloud.bounds(), cloud.drawn())
 }
 
 /// Returns images of the scene that a casting takes: one for each light, or six.
@@ -138,7 +138,8 @@ pub fn image_count(casting: &Casting, cloud: &DeviceCloud) -> u64 {
 /// The images of each light.
 fn views(casting: &Casting, cloud: &DeviceCloud) -> impl Iterator<Item = Vec<LightView>> + use<> {
     let (casting, bounds) = (*casting, cloud.bounds());
-    (0..casting.samples).map(move |i| lights::views(lights::light(&casting, &bounds, i), &bounds, casting.resolution))
+    let views = move |light| lights::views(light, &bounds, casting.resolution, casting.reach());
+    (0..casting.samples).map(move |i| views(lights::light(&casting, &bounds, i)))
 }
 
 /// Pixels of a row in memory: four of them are read at a time.
@@ -149,6 +150,11 @@ fn pitch(resolution: u32) -> u64 {
 /// Device bytes of a light's images.
 fn image_bytes(resolution: u32) -> u64 {
     pitch(resolution) * u64::from(resolution) * PIXEL_BYTES
+}
+
+/// Device bytes of so many depths.
+fn light_bytes(depths: u64) -> u64 {
+    depths.saturating_mul(size_of::<f32>() as u64)
 }
 
 /// Refuses images that no binding holds, or that don't fit the budget.
@@ -174,35 +180,35 @@ pub fn cast(
     let resolution = casting.resolution;
     check(resolution, device.limits().binding_bytes, budget)?;
     cloud.reserve_shares(device)?;
-    let (nearest, depths) = (nearest_image(device, resolution)?, depth_image(device, resolution)?);
+    let images = [light_image(device, resolution)?, light_image(device, resolution)?];
+    let rest = budget.saturating_sub(image_bytes(resolution));
+    let count = HoleCount::new(device, casting, natural(casting, cloud), rest)?;
     let mut frame = device.buffer("light", 1, Memory::Upload)?;
     start(device, cloud, casting, timeline)?;
     progress.set_length(u64::from(casting.samples));
     progress.set_position(0);
-    for views in views(casting, cloud) {
-        for view in views {
+    for (light, views) in views(casting, cloud).enumerate() {
+        for (face, view) in views.into_iter().enumerate() {
+            let counted = count.as_ref().filter(|_| light == 0);
             frame.write(&[LightFrame { apart: casting.min_layer_distance, face: view.face.unwrap_or(0) }]);
             look(cloud, &view, resolution, how);
             let mut recorder = device.recorder()?;
             cloud.record_view(&mut recorder);
-            recorder.fill("shadows/clear", nearest.all(), u32::MAX)?;
-            record_nearest(&mut recorder, cloud, &nearest)?;
-            record_fill(&mut recorder, (&nearest, &depths), casting)?;
-            record_lit(&mut recorder, cloud, &depths, (&frame, view.face.is_some()))?;
+            recorder.fill("shadows/clear", images[0].all(), u32::MAX)?;
+            record_nearest(&mut recorder, cloud, &images[0])?;
+            record_surfaces(&mut recorder, images.each_ref(), casting, counted.map(|count| (count, face == 0)))?;
+            record_lit(&mut recorder, cloud, &images[filters::last(casting)], (&frame, view.face.is_some()))?;
             timeline.submit(recorder, "shadows/lit")?;
         }
         progress.inc(1);
     }
-    finish(device, cloud, casting, timeline)
+    finish(device, cloud, casting, timeline)?;
+    cloud.set_light_holes(count.map(|count| count.found()).transpose()?);
+    Ok(())
 }
 
-/// The image of the nearest depths, as keys.
-fn nearest_image(device: &Device, resolution: u32) -> Result<Buffer<u32>, Error> {
-    Ok(device.buffer("nearest to a light", pitch(resolution) * u64::from(resolution), Memory::Device)?)
-}
-
-/// The image of the depths of surfaces.
-fn depth_image(device: &Device, resolution: u32) -> Result<Buffer<f32>, Error> {
+/// A light's image: keys of the nearest depths, and after the filters the bits of the depths of surfaces.
+fn light_image(device: &Device, resolution: u32) -> Result<Buffer<u32>, Error> {
     Ok(device.buffer("depths from a light", pitch(resolution) * u64::from(resolution), Memory::Device)?)
 }
 
@@ -257,31 +263,36 @@ fn record_nearest<'a>(
     Ok(())
 }
 
-/// Records the surfaces of an image.
-fn record_fill<'a>(
+/// Records the surfaces of an image of keys, the first of both, and counts their holes if asked to; `true` with the
+/// first image that is counted.
+fn record_surfaces<'a>(
     recorder: &mut Recorder<'a>,
-    (nearest, depths): (&'a Buffer<u32>, &'a Buffer<f32>),
+    images: [&'a Buffer<u32>; 2],
     casting: &Casting,
+    count: Option<(&'a HoleCount, bool)>,
 ) -> Result<(), Error> {
-    let fill = Fill { nearest: nearest.all().cast(), depths: depths.all().cast() };
-    let (columns, rows) = (pitch(casting.resolution) / 4, u64::from(casting.resolution));
-    let filled = FillPush { columns: columns as u32, rows: casting.resolution, apart: casting.min_layer_distance };
-    let invocations = columns * rows.div_ceil(FILL_ROWS);
-    Ok(recorder.run(&fill, filled, &Run::new(Dispatch::Invocations(invocations)).variant(fill_variant()))?)
+    if let Some((count, first)) = count {
+        if first {
+            count.record_clear(recorder)?;
+        }
+        count.record_blocks(recorder, images[0])?;
+    }
+    filters::record(recorder, images, casting)?;
+    count.map_or(Ok(()), |(count, _)| count.record_leaks(recorder, images[filters::last(casting)]))
 }
 
 /// Records what an image keeps from the points on the device, through the cloud's view.
 fn record_lit<'a>(
     recorder: &mut Recorder<'a>,
     cloud: &'a DeviceCloud,
-    depths: &'a Buffer<f32>,
+    depths: &'a Buffer<u32>,
     (light, cube): (&'a Buffer<LightFrame>, bool),
 ) -> Result<(), Error> {
     for (chunk, range) in cloud.chunks().enumerate() {
         let lit = Lit {
             places: cloud.places(range.0, range.1),
             normals: cloud.normals.slice(range.0, range.1),
-            depths: depths.all(),
+            depths: depths.all().cast(),
             light: light.all(),
         };
         recorder.run(&lit, PointsPush::new(chunk, range), &walk(range).variant(lit_variant(cube)))?;
@@ -300,7 +311,10 @@ pub fn least_bytes(name: &str, runs: u64, points: u64, chunks: u64, resolution: 
         "shadows/clear" => Some(runs * pixels * 4),
         // Position, and the pixel read and written.
         "shadows/nearest" => Some(walks * points * (32 + 8)),
-        "shadows/fill" => Some(runs * pixels * 8),
+        "shadows/fill" | "shadows/occlusion" => Some(runs * pixels * 8),
+        // Blocks are few, at least one, and so are the counts.
+        "shadows/reset" => Some(runs * 4),
+        "shadows/blocks" | "shadows/leaks" => Some(runs * pixels * 4),
         // Position, normal and depth; who is in the dark is not known.
         "shadows/lit" => Some(walks * points * (32 + 16 + 4)),
         _ => None,
@@ -312,10 +326,12 @@ pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<Start>([false, true].map(start_variant)),
         Shader::new::<Nearest>([walk_variant()]),
-        Shader::new::<Fill>([fill_variant()]),
         Shader::new::<Lit>([false, true].map(lit_variant)),
         Shader::plain::<Share>(),
     ]
+    .into_iter()
+    .chain(filters::shaders())
+    .collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Column, DeviceCloud};
+use crate::cloud::light_image::Holes;
 use crate::cloud::shadow_texture::{Casting, ShadowTexture};
 use crate::gpu::{Buffer, Device, Error, Memory};
 use crate::prepare::Arranged;
@@ -12,8 +13,10 @@ use pellucid_core::parallel;
 pub struct LightImages {
     /// The lights.
     pub casting: Casting,
-    /// The depths of the surfaces in each image, image after image of each light.
-    pub depths: Vec<Buffer<f32>>,
+    /// The bits of the depths of the surfaces in each image, image after image of each light.
+    pub depths: Vec<Buffer<u32>>,
+    /// Holes in those of the first light, if they were counted.
+    pub holes: Option<Holes>,
 }
 
 impl DeviceCloud {
@@ -44,7 +47,7 @@ impl DeviceCloud {
     /// Room for shares of light, which clouds without normals have none for yet. What was there belongs to no light
     /// from here on.
     pub fn reserve_shares(&mut self, device: &Device) -> Result<(), Error> {
-        self.casting = None;
+        (self.casting, self.light_holes) = (None, None);
         if self.normals.len() < self.len {
             self.normals = device.buffer("normals", self.len, Memory::Device)?;
         }
@@ -59,6 +62,20 @@ impl DeviceCloud {
     /// Sets the shadows that the shares of light belong to.
     pub fn set_casting(&mut self, casting: Casting) {
         self.casting = Some(casting);
+    }
+
+    /// Keeps the holes that were counted in the images of the first light.
+    pub fn set_light_holes(&mut self, holes: Option<Holes>) {
+        self.light_holes = holes;
+    }
+
+    /// Returns the holes in the images of the first light of the shadows that were cast last; `None` if they were not
+    /// counted, as for shadows that were stored.
+    pub fn light_holes(&self) -> Option<Holes> {
+        match &self.light_images {
+            Some(images) => images.holes,
+            None => self.light_holes.filter(|_| self.casting.is_some()),
+        }
     }
 
     /// Puts shares of light there that were stored with the points, in the order of their files. Points that were

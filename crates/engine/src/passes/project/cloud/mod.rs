@@ -26,6 +26,7 @@ use self::supplied::Supplied;
 use super::part::{Parts, fields_and_radii};
 use super::{Bounds, Footprint, Projecting, Splat, Stats, Tilt};
 use crate::cloud::Bounds as Box3;
+use crate::cloud::light_image::Holes;
 use crate::cloud::shadow_texture::Casting;
 use crate::color::decode_srgb_f64;
 use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Preferences, Slice};
@@ -71,6 +72,7 @@ pub struct DeviceCloud {
     surfaces: Option<Vec<Placed>>,
     /// The shadows that the shares of light beside the normals belong to.
     casting: Option<Casting>,
+    light_holes: Option<Holes>,
     /// View of lights, if points come some at a time.
     light_images: Option<Arc<LightImages>>,
     /// The points of a dealt list: whether they fit the device, the frame decides.
@@ -191,6 +193,7 @@ impl DeviceCloud {
             orders_made: 0,
             surfaces: None,
             casting: None,
+            light_holes: None,
             light_images: None,
             host: None,
             supplied: None,
