@@ -270,7 +270,7 @@ impl Session {
         self.parts = None;
         let Some(threshold) = self.frame.method.threshold().filter(|_| !self.is_part) else { return Ok(()) };
         let cloud = &mut self.uploaded.cloud;
-        cloud.find_parts(threshold, &self.progress).map_err(FrameError::from)?;
+        cloud.find_parts(threshold, &self.progress)?;
         self.parts = Some((threshold, cloud.parts(threshold)));
         Ok(())
     }

@@ -102,7 +102,7 @@ fn unused_keys(command: &[String]) -> Option<String> {
     let values =
         |name: &'static str| command.windows(2).filter(move |pair| pair[0] == name).map(|pair| pair[1].as_str());
     let has_scene = command.iter().any(|word| word.ends_with(".toml")) || values("--preset").next().is_some();
-    let method = values("--method").last().or_else(|| (!has_scene).then_some("auto"))?;
+    let method = values("--method").next_back().or_else(|| (!has_scene).then_some("auto"))?;
     let known = method_keys(method);
     let mut set = values("--set").filter_map(|set| set.strip_prefix("method.")?.split_once('='));
     let (key, _) = set.find(|(key, _)| *key != "name" && !known.contains(key))?;
