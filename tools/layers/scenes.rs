@@ -22,20 +22,25 @@ const TORI_POINTS: f64 = 6e6;
 const NEGHIP_POINTS: f64 = 128e3;
 const HYDROGEN_POINTS: f64 = 535e3;
 
-/// Scanned surfaces: name, files of the data folder, the first that is there, and points in the paper.
-const SCANS: [(&str, &[&str], u32, [[f64; COLUMNS]; 2]); 3] = [
+/// Frames per second at 512² and at 1024².
+type Rates = [[f64; COLUMNS]; 2];
+/// A scanned surface: name, files of the data folder, of which the first that is there counts, points and rates in the
+/// paper.
+type Scan = (&'static str, &'static [&'static str], u32, Rates);
+
+const SCANS: [Scan; 3] = [
     ("blade", &["models/turbine_blade_883k.ply", "models/turbine_blade_100k.ply"], 883_000, BLADE),
     ("buddha", &["models/happy_buddha_543k.ply", "models/happy_vrip.ply"], 543_000, BUDDHA),
     ("dragon", &["models/stanford_dragon_437k.ply"], 437_000, DRAGON),
 ];
 
-/// Frames per second in Table 3, at 512² and at 1024².
-const BLADE: [[f64; COLUMNS]; 2] = [[52.0, 17.6, 8.8, 26.0, 9.0, 5.0], [52.0, 17.5, 8.8, 25.0, 9.0, 5.0]];
-const BUDDHA: [[f64; COLUMNS]; 2] = [[83.0, 28.0, 14.0, 40.0, 14.0, 7.0], [64.0, 22.0, 11.0, 39.0, 14.0, 7.0]];
-const DRAGON: [[f64; COLUMNS]; 2] = [[103.0, 35.0, 18.0, 50.0, 18.0, 9.6], [68.0, 23.0, 12.0, 49.0, 17.0, 9.0]];
-const THREE_TORI: [[f64; COLUMNS]; 2] = [[8.0, 2.7, 1.4, 4.0, 1.3, 0.6], [8.0, 2.7, 1.4, 3.7, 1.1, 0.6]];
-const NEGHIP: [[f64; COLUMNS]; 2] = [[235.0, 83.0, 43.0, 145.0, 62.0, 35.0], [82.0, 27.0, 14.0, 64.0, 35.0, 22.0]];
-const HYDROGEN: [[f64; COLUMNS]; 2] = [[72.0, 24.0, 12.0, 40.0, 14.0, 8.0], [48.0, 15.0, 8.0, 31.0, 14.0, 7.5]];
+// Table 3.
+const BLADE: Rates = [[52.0, 17.6, 8.8, 26.0, 9.0, 5.0], [52.0, 17.5, 8.8, 25.0, 9.0, 5.0]];
+const BUDDHA: Rates = [[83.0, 28.0, 14.0, 40.0, 14.0, 7.0], [64.0, 22.0, 11.0, 39.0, 14.0, 7.0]];
+const DRAGON: Rates = [[103.0, 35.0, 18.0, 50.0, 18.0, 9.6], [68.0, 23.0, 12.0, 49.0, 17.0, 9.0]];
+const THREE_TORI: Rates = [[8.0, 2.7, 1.4, 4.0, 1.3, 0.6], [8.0, 2.7, 1.4, 3.7, 1.1, 0.6]];
+const NEGHIP: Rates = [[235.0, 83.0, 43.0, 145.0, 62.0, 35.0], [82.0, 27.0, 14.0, 64.0, 35.0, 22.0]];
+const HYDROGEN: Rates = [[72.0, 24.0, 12.0, 40.0, 14.0, 8.0], [48.0, 15.0, 8.0, 31.0, 14.0, 7.5]];
 
 /// A cloud as it is rendered.
 pub struct Subject {
@@ -43,8 +48,8 @@ pub struct Subject {
     pub points: Points,
     pub camera: Camera,
     pub shading: Shading,
-    /// The paper's frames per second at 512² and at 1024².
-    pub paper: [[f64; COLUMNS]; 2],
+    /// The paper's.
+    pub paper: Rates,
 }
 
 /// Folder of real data: `PELLUCID_TEST_DATA`, else `shared/data` beside the repository, as for the tests.

@@ -3,11 +3,8 @@
 
 use std::path::Path;
 
-use pellucid_core::camera::Camera;
 use pellucid_core::image::Image;
-use pellucid_core::points::Points;
 use pellucid_engine::Result;
-use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_io::output;
 use pellucid_scene::{Brightness, ColorSpace, Method, SpbrSimplified};
 
@@ -97,9 +94,9 @@ fn write_sheet(folder: &Path, name: &str, pictures: &[Image], columns: usize) ->
 
 /// The image of opaque points, for tests: SPBR with L = 1.
 #[cfg(test)]
-pub fn opaque(stage: &mut Stage, points: Points, side: u32) -> Result<[Image; 2]> {
-    let camera: Camera = scans::aslant(&points);
-    let mut cloud: DeviceCloud = stage.upload(points)?;
+pub fn opaque(stage: &mut Stage, points: pellucid_core::points::Points, side: u32) -> Result<[Image; 2]> {
+    let camera = scans::aslant(&points);
+    let mut cloud = stage.upload(points)?;
     let mut image = |method| stage.image(&mut cloud, camera, [side; 2], method);
     Ok([image(simplified(1, Brightness::Factor(1.0)))?, image(Method::Points)?])
 }
