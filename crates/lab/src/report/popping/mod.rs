@@ -206,7 +206,7 @@ fn is_exact(method: &Method, points: &Points) -> bool {
 pub struct Film<'a> {
     /// The scene's points.
     pub arranged: &'a Arranged,
-    /// The frame with the method of the reference ([`reference`]); its camera is replaced.
+    /// The frame with the method of the reference ([`reference()`]); its camera is replaced.
     pub frame: &'a Frame,
     /// Linear RGB.
     pub background: Vec3,

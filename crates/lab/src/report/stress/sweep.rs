@@ -76,7 +76,6 @@ impl SweepPosition {
         let Some(first) = entries.first() else { return Ok(()) };
         let (points, camera) = self.scene(settings.seed, first.is_soft())?;
         let frame = |entry: &Entry| Frame {
-            shading: Default::default(),
             memory_budget: settings.memory_budget,
             seed: settings.seed,
             ..Frame::new(camera, [self.side; 2], entry.for_layers(self.opacity()))
