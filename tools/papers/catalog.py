@@ -94,7 +94,7 @@ def check(catalog: Catalog) -> None:
         if (row.verdict == "none") != (not row.commands):
             raise CatalogError(f"{where}: a row has commands, or the verdict none")
         for command in row.commands:
-            if not command.startswith(("pellucid ", "cargo run --release --example ")):
+            if not command.startswith(("pellucid ", "cargo run --release -p pellucid-lab --example ")):
                 raise CatalogError(f"{where}: neither a command of pellucid nor one of its tools: {command}")
         for old, _ in row.small:
             if not any(old in command for command in row.commands):

@@ -76,14 +76,13 @@ def run(wanted: list[str]) -> None:
     """Runs rows and keeps what each printed, so that a run that was ended goes on with the others."""
     catalog = load()
     program = find_program()
-    measured = load_measured()
     # Rows with the same commands share one run.
     said: dict[tuple[str, ...], str] = {}
     for row in select(catalog.rows, wanted):
         print(f"== {row.name}", flush=True)
         if row.commands not in said:
             said[row.commands] = run_commands(row.commands, program)
-        measured[row.name] = figures_of(row, said[row.commands])
+        measured = {**load_measured(), row.name: figures_of(row, said[row.commands])}
         in_order = {r.name: measured[r.name] for r in catalog.rows if measured.get(r.name)}
         replace(MEASURED, json.dumps(in_order, indent=1, ensure_ascii=False) + "\n")
 
