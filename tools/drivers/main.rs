@@ -8,8 +8,8 @@
 //! `NAME=MANIFEST` is a driver's manifest (JSON), behind a comma the folder of libraries that it needs, if any. The
 //! loader picks drivers once per process: each one renders in a process of its own, with `VK_DRIVER_FILES` and
 //! `LD_LIBRARY_PATH` set. If the folder has a dynamic linker, `ld-linux-x86-64.so.2`, that one starts the process: a
-//! driver of a newer system needs that system's libc, and libc and linker belong together. The images of the driver that the environment gives are what the others are compared with;
-//! `--first NAME=MANIFEST` says another.
+//! driver of a newer system needs that system's libc, and libc and linker belong together. The images of the driver
+//! that the environment gives are what the others are compared with; `--first NAME=MANIFEST` says another.
 //!
 //! The exit status is 1 if any image is beyond its bound, 2 if a driver could not render at all. What a driver lacks is
 //! not applicable, and is no pass.

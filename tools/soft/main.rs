@@ -2,9 +2,9 @@
 //! costs.
 //!
 //! ```sh
-//! cargo run --release --example soft-experiments                                        # built-in scenes, into target/soft
-//! cargo run --release --example soft-experiments -- -o report vineyard.laz scene.toml   # your clouds after these
-//! cargo run --release --example soft-experiments -- --frames 20 --path 100              # frames behind a median, of the path
+//! cargo run --release --example soft-experiments                             # built-in scenes, into target/soft
+//! cargo run --release --example soft-experiments -- -o report vineyard.laz   # your clouds and scenes after these
+//! cargo run --release --example soft-experiments -- --frames 20 --path 100   # frames of a median, of the path
 //! ```
 //!
 //! It writes Markdown or SVG for people and CSV for programs:

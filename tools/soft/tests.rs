@@ -16,7 +16,7 @@ fn every_table_and_figure_is_written_with_a_time_in_each_cell() {
     run(&Args::try_parse_from(words).unwrap()).unwrap();
     let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let rows = |name: &str| text(name).lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
-    for (name, count) in [("table.csv", 3 + 9), ("path.csv", 2), ("second.csv", 5 * 3)] {
+    for (name, count) in [("table.csv", 3 + 9), ("path.csv", 2), ("second.csv", 8 * 3)] {
         let found = rows(name);
         assert_eq!(found.len(), count, "{name}: {found:?}");
         for row in &found {

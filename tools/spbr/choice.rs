@@ -82,7 +82,7 @@ mod tests {
         assert_eq!(wanted(1, 0.3), 34);
     }
 
-    /// With two images of α = 1/2, one is hit in 2 of 3 cases, both in 1 of 3: E\[1/M\] = 5/6.
+    /// Two images of α = 1/2: one is hit in 2 of 3 cases, both in 1 of 3: E\[1/M\] = 5/6.
     #[test]
     fn one_of_two_images_or_both() {
         assert!((expected(0.5, 2) - (10.0f64 * 5.0 / 6.0).sqrt()).abs() < 1e-12);

@@ -154,7 +154,7 @@ fn wrong_requests_are_refused_before_any_work() {
     let folder = folder();
     fs::write(inside(&folder, "file"), "").unwrap();
     assert_refused(&folder, &["stress", "-o", "file"], 1, &["file"]);
-    // What they draw has no such layers.
+    // Their pictures have no such layers.
     assert_refused(&folder, &["stress", "--method", "abuffer,spbr"], 2, &["spbr", "abuffer"]);
     assert_refused(&folder, &["stress", "--method", "circles"], 2, &["circles", "abuffer"]);
     assert_refused(&folder, &["stress", "--max-seconds", "0"], 2, &["seconds above 0"]);

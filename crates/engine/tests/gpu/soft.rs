@@ -375,7 +375,7 @@ fn cuts_into_windows_and_bands_do_not_show() {
     });
 }
 
-/// The same method with its long lists sorted in place.
+/// A method with its long lists sorted in place.
 fn in_place(method: Method) -> Method {
     let change = |soft: &mut Soft| soft.long_lists = LongLists::InPlace;
     method.as_soft().expect("a soft method").changed(change).into()

@@ -1,8 +1,8 @@
 //! A small scene for every method, and for the settings that use other paths of the engine. Their images must have the
 //! same bytes after any earlier frames, for any order of the input and any budget (docs/determinism.md).
 //!
-//! One list serves the tests and, with larger images, the comparison of drivers. Positions and colors follow from counters and need only
-//! operations that IEEE 754 defines to the last bit, so that they are the same everywhere.
+//! One list serves the tests and, with larger images, the comparison of drivers. Positions and colors follow from
+//! counters and need only operations that IEEE 754 defines to the last bit, so that they are the same everywhere.
 
 mod clouds;
 mod compared;

@@ -50,7 +50,7 @@ fn layers(cell: &Cell, is_soft: bool) -> (Points, Camera) {
     (points, camera)
 }
 
-/// What an approximation draws, and what it approximates, in float64.
+/// Pictures of an approximation and of the exact method, in float64.
 fn both(cell: &Cell, entry: &Entry) -> [ReferencePicture; 2] {
     let (points, camera) = layers(cell, entry.method.as_soft().is_some());
     let view = View::new(&camera, [SIDE; 2]);
@@ -134,7 +134,7 @@ fn a_wrong_picture_does_not_hold() {
         let wrong = Entry { method: Method::Peel(pellucid_scene::Peel { layers: 7, ..peel }), ..entry };
         let found = stress::run(device, &Settings { entries: vec![wrong], ..settings }, &Progress::hidden()).unwrap();
         for (cell, right) in found.cells.iter().zip(&right.cells) {
-            // What is behind seven layers: α (1 − α)⁷ of its color, of which some channel is 0.9 or so.
+            // Seven layers hide the last one: α (1 − α)⁷ of its color, of which some channel is 0.9 or so.
             assert!(cell.error.max > 0.5 * opacity(8) * 0.5, "{cell:?}");
             assert_eq!(Cell { expected: right.expected, ..cell.clone() }.holds(), Some(false), "{cell:?}");
         }

@@ -21,9 +21,8 @@ settings! {
         shells: Shells = Shells::Adaptive, without "adaptive", start 8.0, tried SHELLS;
         /// Thickness of an adaptive shell (soft-concentric).
         pixels_per_shell: f32 = 4.0, in Range::POSITIVE, unit "pixels", slider Slider::Linear(1.0, 16.0);
-        /// Weigh the density of each shell by the distance of the ray from the center (soft-concentric, Eq. 15);
-        /// without it shells are of constant density for all rays (Eq. 13), which shows where each of a few shells
-        /// ends.
+        /// Density of a shell falls with the ray's distance from the center (soft-concentric, Eq. 15), else it is
+        /// constant.
         equalize: bool = true, only &["soft-concentric"];
         /// Storage layout of a sphere on a ray (soft-base).
         layout: SoftLayout = SoftLayout::Precise;

@@ -1,4 +1,4 @@
-//! What a sweep compares, and what is known of its errors beforehand.
+//! Methods that a sweep compares, and the errors that are expected of them.
 
 use std::f64::consts::LN_2;
 
@@ -30,8 +30,8 @@ const DISTANCE: f64 = 24.0 * HALF_ULP;
 const LEAST_WEIGHT: f64 = 0.057;
 
 impl Entry {
-    /// Every method that blends discs or soft spheres, and `abuffer` with lists that are sorted in place; those that all
-    /// draw the same first.
+    /// Every method that blends discs or soft spheres, and `abuffer` with lists that are sorted in place; first those
+    /// that all draw the same.
     pub fn all() -> Vec<Self> {
         let named = |method: Method| Self { name: method.name(), method };
         let same = Method::transparent();
@@ -48,7 +48,7 @@ impl Entry {
         unique(Self::all().iter().map(|entry| entry.method.name()))
     }
 
-    /// Those of the methods with these names; all of them for no name.
+    /// Entries of the methods with these names; all of them for no name.
     pub fn of_methods<S: AsRef<str>>(names: &[S]) -> Vec<Self> {
         let asked = |entry: &Self| names.is_empty() || names.iter().any(|name| name.as_ref() == entry.method.name());
         Self::all().into_iter().filter(asked).collect()
@@ -75,9 +75,9 @@ impl Entry {
         Method::ABuffer(Discs::default())
     }
 
-    /// What is known of its error with so many layers.
+    /// The error that is expected with so many layers.
     pub(super) fn expected(&self, layers: u32) -> Expected {
-        // A layer takes two products and two sums of numbers that are at most 1, and so does a run of 256 layers or more.
+        // A layer takes two products and two sums of numbers that are at most 1, and so does a run of 256 layers.
         let roundings = 4.0 * f64::from(layers + layers.div_ceil(256)) * HALF_ULP;
         let is_exact = self.method.is_exact(false);
         if self.method.is_sampled() {
@@ -98,7 +98,7 @@ fn softened(method: SoftMethod, opacity: f64) -> SoftMethod {
     method.changed(|soft| soft.density = Density::Softness(opacity as f32))
 }
 
-/// What is known of an error before it is measured.
+/// Size of an error as far as it is known before it is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expected {
     /// The largest error that follows from roundings.

@@ -63,7 +63,7 @@ pub struct Settings {
     pub sides: Vec<u32>,
     /// Layers per pixel, ascending.
     pub layers: Vec<u32>,
-    /// What is compared, see [`Entry::all`].
+    /// Methods that are compared, see [`Entry::all`].
     pub entries: Vec<Entry>,
     /// Frames behind each median, at least 1.
     pub frames: u32,
@@ -140,7 +140,7 @@ pub struct Cell {
     pub bands: u64,
     /// Error against the exact picture in float64.
     pub error: Deviation,
-    /// What is known of that error beforehand.
+    /// The error that is expected.
     #[serde(rename = "kind")]
     pub expected: Expected,
     /// Each pass in the order of its first run.

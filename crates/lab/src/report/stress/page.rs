@@ -89,7 +89,7 @@ fn summary(report: &Report<'_>) -> Markup {
         .html()
 }
 
-/// What is expected of a cell's error, and whether it is so.
+/// The error that is expected of a cell, and whether it is so.
 pub fn expected(cell: &Cell) -> String {
     let word = if cell.holds() == Some(false) { "no: " } else { "" };
     let found = cell.error.standard_errors.map(|found| format!("{word}{found:.2} standard errors"));
