@@ -31,8 +31,9 @@ const OPAQUE: f64 = 1e20;
 /// optical depth D is neither opaque nor clear, 1 − d/r is about D^(−2/3), of which float32 leaves 2·10⁻⁷. At this D
 /// that makes an error of 10⁻⁵ in the opacity; it grows as D^(2/3).
 const STIFF: f64 = 1e3;
-/// Such an optical depth of a shell with one density for all rays: its opacity rises from the rim as a root. The middle
-/// between opaque and clear is where 1 − d/r is 1/(2 D²), and this D makes an error of 10⁻⁵ there. It grows as D².
+/// Optical depth from which on float32 shows in shells with one density for all rays, whose opacity rises from the rim
+/// as a root. The middle between opaque and clear is where 1 − d/r is 1/(2 D²), and this D makes an error of 10⁻⁵
+/// there. It grows as D².
 const STIFF_SHELLS: f64 = 10.0;
 
 impl SoftModel {
