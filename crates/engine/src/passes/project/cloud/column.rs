@@ -38,7 +38,9 @@ impl Column {
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         match self {
             // Of a Gaussian a radius below 0 says that it is no disc.
-            Self::High => with(split(points.positions[i] - origin).0, points.disc_radius(i).unwrap_or(-1.0)),
+            Self::High => {
+                with(split(points.positions[i] - origin).0, points.disc_radius(i).map_or(-1.0, above_subnormal))
+            }
             Self::Low => with(split(points.positions[i] - origin).1, points.opacities[i]),
             Self::Color => {
                 let place = points.file_order.get(i).copied().unwrap_or(i as u32);
@@ -47,6 +49,13 @@ impl Column {
             Self::Normal => with(points.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i]), 1.0),
         }
     }
+}
+
+/// Returns a radius, or a normal number where it is a tiny one: a device may treat subnormal numbers as 0, and without
+/// a radius a disc covers nothing, while one of 10⁻⁴⁵ has the pixel of its center. The product with the pixels of a
+/// unit stays normal, too.
+fn above_subnormal(radius: f32) -> f32 {
+    if radius > 0.0 { radius.max(1e-30) } else { radius }
 }
 
 /// Splits coordinates into a float and the rest.
