@@ -25,6 +25,8 @@ pub struct Image {
     /// Mean depth Σ zαT / A, with T before each fragment, +inf where A = 0; of the same methods, if it was asked for
     /// (`--aov`).
     pub depth_mean: Option<Vec<f32>>,
+    /// Images whose mean this is, 0 or 1 for an ordinary one: counts are sums over them.
+    pub samples: u32,
     /// Length of each pixel's fragment list, α = 0 included, if it was asked for (`--aov`).
     pub fragments: Option<Vec<u32>>,
     /// Layers that were blended on each pixel, of methods that peel, if they were asked for (`--aov`).
@@ -38,6 +40,12 @@ impl Image {
     /// Returns `true` if the colors came to the host.
     pub fn has_colors(&self) -> bool {
         self.rgba.len() == self.depth.len()
+    }
+
+    /// Returns counts per image: their means over the images whose mean this is.
+    pub fn mean_counts(&self, counts: &[u32]) -> Vec<f32> {
+        let samples = f64::from(self.samples.max(1));
+        counts.iter().map(|count| (f64::from(*count) / samples) as f32).collect()
     }
 
     /// Returns the standard error of the whole image, if that of its pixels was found: root mean square over pixels and

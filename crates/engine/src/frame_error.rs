@@ -14,6 +14,12 @@ pub enum Error {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
+    /// A number of samples that a pixel can't have.
+    #[error("{samples} samples per pixel; use 1, 2, 4, 8, 16, 32 or 64")]
+    PixelSamples {
+        /// The number.
+        samples: u32,
+    },
     /// The host's memory can't hold the image.
     #[error(
         "an image of {width} × {height} pixels needs {} of memory, which are not free; use a smaller --size", ByteSize(*.bytes)
@@ -364,7 +370,9 @@ impl Error {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {
             Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
-            Self::ImageSize { .. } | Self::Cancelled | Self::Store(_) | Self::NoLevels => false,
+            Self::ImageSize { .. } | Self::PixelSamples { .. } | Self::Cancelled | Self::Store(_) | Self::NoLevels => {
+                false
+            }
             Self::SampleRange { .. } | Self::Part(_) => false,
             _ => true,
         }

@@ -8,7 +8,7 @@ use crate::points::Points;
 use crate::prepare::Arranged;
 
 /// Returns a hash of everything that determines the image and the time of a frame, except for the method: points,
-/// properties of their clouds, camera, size, shading, color space, background, memory budget, factors and seed; device
+/// properties of their clouds, camera, size, shading, color space, background, memory budget, factors, samples and seed; device
 /// and driver; the program's version. In hexadecimal digits.
 ///
 /// The method only enters through `formation`.
@@ -30,6 +30,9 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         ensembles: _,
         shadows,
         factors,
+        background: _,
+        samples,
+        only,
     } = frame;
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
@@ -84,6 +87,7 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
     let program = format!("{} {} {}", env!("CARGO_PKG_VERSION"), device.name, device.driver);
     // Measurements of all points are those of earlier versions.
     let settings = if detail.is_whole() { settings } else { format!("{settings} {detail:?}") };
+    let settings = if *samples == 1 { settings } else { format!("{settings} {samples} {only:?}") };
     for text in [&settings, formation, &program] {
         add(text.as_bytes());
     }

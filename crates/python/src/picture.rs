@@ -182,6 +182,7 @@ impl Picture {
             depth: sized::<f32, 1>("depth", &arrays.depth, pixels)?.into_flattened(),
             depth_median: given("median_depth", &arrays.median, pixels)?.map(Vec::<[f32; 1]>::into_flattened),
             depth_mean: given("mean_depth", &arrays.mean, pixels)?.map(Vec::<[f32; 1]>::into_flattened),
+            samples: 1,
             fragments: given("fragments", &arrays.fragments, pixels)?.map(Vec::<[u32; 1]>::into_flattened),
             layers: given("layers", &arrays.layers, pixels)?.map(Vec::<[u32; 1]>::into_flattened),
             stderr: given("stderr", &arrays.stderr, pixels)?,

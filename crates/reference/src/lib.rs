@@ -65,9 +65,9 @@ impl<'a> View<'a> {
         [(index % width) as u32, (index / width) as u32]
     }
 
-    /// Middle of the image in pixels from its upper left corner.
+    /// Returns where the viewing axis meets the image, in pixels from its upper left corner.
     fn middle(self) -> DVec2 {
-        0.5 * DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]))
+        self.camera.middle(self.size)
     }
 
     /// Returns a position of the image, in pixels, on the plane at depth 1 (orthographic: at any depth), y up.

@@ -78,7 +78,8 @@ fn along(forward: DVec3, bounds: &Bounds, free: f64) -> Camera {
     let depth = bounds.center().dot(forward) - reach;
     let eye = middle.x * right + middle.y * up + depth * forward;
     let height = (high - low).max_element().max(f64::MIN_POSITIVE) * free;
-    Camera { eye, right, up, forward, projection: Projection::Orthographic { height }, near: 0.0, far: 2.0 * reach }
+    let (projection, shift) = (Projection::Orthographic { height }, DVec2::ZERO);
+    Camera { eye, right, up, forward, projection, near: 0.0, far: 2.0 * reach, shift }
 }
 
 fn toward(position: DVec3, bounds: &Bounds, free: f64) -> Option<Camera> {
@@ -103,7 +104,16 @@ fn cube(position: DVec3, bounds: &Bounds) -> Frames {
     let face = |forward: DVec3| {
         let right = forward.cross(across(forward)).normalize();
         let projection = Projection::Perspective { fov_y: FRAC_PI_2 };
-        Camera { eye: position, right, up: right.cross(forward), forward, projection, near: 0.0, far }
+        Camera {
+            eye: position,
+            right,
+            up: right.cross(forward),
+            forward,
+            projection,
+            near: 0.0,
+            far,
+            shift: DVec2::ZERO,
+        }
     };
     axes.map(face).to_vec()
 }

@@ -151,6 +151,7 @@ mod tests {
             projection: Projection::Orthographic { height },
             near: 1.0,
             far: 20.0,
+            shift: DVec2::ZERO,
         };
         // A picture of 8 × 8 pixels of size 1. Two discs cover the same 4 pixels, one half of them; one more is behind.
         let at = [[4.0, 4.0, 0.0], [4.0, 4.0, 2.0], [4.5, 4.5, 1.0], [1.5, 1.5, 1.0], [4.0, 4.0, -20.0]];

@@ -45,7 +45,7 @@ impl Recipe {
             warnings: _,
             settings: _,
         } = scene;
-        let ImageSettings { size: _, background: _, color } = image;
+        let ImageSettings { size: _, background: _, color, samples: _, sampling_error: _ } = image;
         Self {
             clouds: clouds.clone(),
             clips: clips.clone(),

@@ -27,7 +27,7 @@ pub use discs::{
     MAX_SAMPLES, Mlab, MomentCount, Moments, Order, Peel, Raster, Stochastic, Tail, Wavelet,
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
-pub use image::{Background, ImageSettings};
+pub use image::{Background, ImageSettings, Samples};
 pub use pellucid_core::color::ColorSpace;
 pub use pellucid_core::light::Light;
 pub use shading::{Edl, Formula, MAX_SHADOW_SAMPLES, MapResolution, Shading, ShadingModel, ShadowMethod, Shadows};

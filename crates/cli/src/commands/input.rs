@@ -40,6 +40,13 @@ pub struct InputArgs {
     /// Default: the scene file's, else 1024x1024.
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
+    /// Samples of each pixel's area: 1, 2, 4, 8, 16, 32, 64 or auto.
+    ///
+    /// The picture is the mean of so many images, each moved by a fraction of a pixel, and takes about as many times as
+    /// long. With auto the number doubles until the picture changes by less than image.sampling_error. Default: the
+    /// scene file's, else 1, which shows the center of each pixel.
+    #[arg(long, value_name = "N")]
+    samples: Option<String>,
     // The help lists all keys.
     #[arg(long, value_name = "KEY=VALUE", help = SET_HELP, long_help = set_help())]
     set: Vec<String>,
@@ -223,6 +230,7 @@ impl InputArgs {
         // Texts, of which a name may look like a number.
         let quoted = |text: &Option<String>| text.as_ref().map(|text| format!("{text:?}"));
         for (option, key, value, toml) in [
+            ("samples", "image.samples", &self.samples, None),
             ("columns", "cloud.*.columns", &self.columns, quoted(&self.columns)),
             ("background", "image.background", &self.background, self.background.as_deref().map(color_as_toml)),
             ("color-by", "cloud.*.color_by", &self.color_by, quoted(&self.color_by)),

@@ -42,6 +42,9 @@ pub struct Camera {
     pub near: f64,
     /// Points with z > far are not drawn.
     pub far: f64,
+    /// Pixels, x right and y down, by which every projected position is moved: (0, 0) except in the images whose mean
+    /// is a picture of several samples per pixel. Near, far and the axes stay as they are.
+    pub shift: DVec2,
 }
 
 impl Camera {
@@ -55,7 +58,7 @@ impl Camera {
             return None;
         }
         let right = right.normalize();
-        Some(Self { eye, right, up: right.cross(forward), forward, projection, near, far })
+        Some(Self { eye, right, up: right.cross(forward), forward, projection, near, far, shift: DVec2::ZERO })
     }
 
     /// Returns camera coordinates (right, up, z) of a world position; z is positive before the camera.
@@ -76,8 +79,12 @@ impl Camera {
     pub fn project(&self, world: DVec3, size: [u32; 2]) -> (DVec2, f64) {
         let view = self.to_view(world);
         let scale = self.pixels_per_unit(view.z, size[1]);
-        let center = DVec2::new(f64::from(size[0]), f64::from(size[1])) * 0.5;
-        (center + DVec2::new(view.x, -view.y) * scale, view.z)
+        (self.middle(size) + DVec2::new(view.x, -view.y) * scale, view.z)
+    }
+
+    /// Returns where the viewing axis meets an image of this size: pixels from its upper left corner, x right, y down.
+    pub fn middle(&self, size: [u32; 2]) -> DVec2 {
+        0.5 * DVec2::new(f64::from(size[0]), f64::from(size[1])) + self.shift
     }
 
     /// Returns pixels per world unit at depth `z`: the factor from a world radius to pixels.

@@ -23,7 +23,7 @@ fn reach_of(splat: Splat) -> f32 {
         return splat.radius;
     }
     let of_depth = splat.radius / view.focal.x;
-    let axis = (vec2<f32>(center_pixel(splat)) + vec2<f32>(splat.fraction_x, splat.fraction_y) - 0.5 * vec2<f32>(view.size)) / view.focal.x;
+    let axis = (vec2<f32>(center_pixel(splat)) + vec2<f32>(splat.fraction_x, splat.fraction_y) - middle_of_image()) / view.focal.x;
     let stretched = splat.radius * sqrt(1.0 + dot(axis, axis)) / (1.0 - of_depth);
     // Close to the eye it may be seen anywhere.
     return select(1e9, stretched, of_depth < 0.9);

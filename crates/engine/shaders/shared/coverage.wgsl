@@ -13,8 +13,8 @@ struct Coverage {
 // Numbers of `view` that a flat splat's coverage needs. They are read once, outside all branches: drivers merge no
 // loads that stand in branches, and move none out of them.
 struct Lens {
-    // Columns and rows of the whole image.
-    size: vec2<u32>,
+    // Where the viewing axis meets the image, in pixels.
+    middle: vec2<f32>,
     focal: f32,
     // Depth that those of splats are relative to.
     origin: f32,
@@ -22,7 +22,7 @@ struct Lens {
 }
 
 fn lens_of_view() -> Lens {
-    return Lens(view.size, view.focal.x, view.eye_hi.w, view.orthographic != 0u);
+    return Lens(middle_of_image(), view.focal.x, view.eye_hi.w, view.orthographic != 0u);
 }
 
 // From the projected center to a pixel's center, in pixels: exact up to one rounding.
@@ -41,7 +41,7 @@ fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u
     var unit = 1.0 / lens.focal;
     var facing = tilt.w;
     if !lens.orthographic {
-        let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(lens.size);
+        let from_middle = vec2<f32>(pixel) + 0.5 - lens.middle;
         ray = vec3<f32>(from_middle / lens.focal, 1.0);
         unit = (splat.depth + lens.origin) / lens.focal;
         facing += along / lens.focal;

@@ -43,9 +43,9 @@ struct Screen {
     rest: f32,
 }
 
-fn on_screen(relative: vec2<f32>, size: u32) -> Screen {
+fn on_screen(relative: vec2<f32>, size: u32, shift: f32) -> Screen {
     // An even image's middle is a border of pixels, an odd one's lies half a pixel in.
-    let shifted = add2(relative, vec2<f32>(0.5 * f32(size % 2u), 0.0));
+    let shifted = add2(relative, vec2<f32>(0.5 * f32(size % 2u) + shift, 0.0));
     let whole = clamp(floor(shifted.x), -16000.0, 16000.0);
     var within = add2(shifted, vec2<f32>(-whole, 0.0));
     var screen = Screen(i32(whole), within.x, 0.0);
@@ -69,7 +69,7 @@ struct Located {
     drawn: bool,
     // In camera axes.
     place: array<vec2<f32>, 3>,
-    // Pixels from the image's middle.
+    // Pixels from where the viewing axis meets the image.
     center: vec2<f32>,
     // Pixels over a world unit at its depth.
     scale: f32,
@@ -89,5 +89,7 @@ fn locate(hi: vec3<f32>, lo: vec3<f32>) -> Located {
     let y = multiply2(place[1], scale);
     let within = depth >= view.depth_range.x && depth <= view.depth_range.y;
     let drawn = within && abs(x.x) <= HUGE && abs(y.x) <= HUGE;
-    return Located(drawn, place, vec2<f32>(x.x, y.x), scale.x, on_screen(x, view.size.x), on_screen(y, view.size.y));
+    let column = on_screen(x, view.size.x, view.shift.x);
+    let row = on_screen(y, view.size.y, view.shift.y);
+    return Located(drawn, place, vec2<f32>(x.x, y.x), scale.x, column, row);
 }

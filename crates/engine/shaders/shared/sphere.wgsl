@@ -43,7 +43,7 @@ fn exact_chord(splat: Splat, low: vec4<f32>, pixel: vec2<u32>, ray: vec4<f32>) -
     var slopes = array<vec2<f32>, 2>(vec2<f32>(0.0), vec2<f32>(0.0));
     if view.orthographic == 0u {
         depth = add2(vec2<f32>(splat.depth, low.z), vec2<f32>(depth_origin(), 0.0));
-        let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
+        let from_middle = vec2<f32>(pixel) + 0.5 - middle_of_image();
         slopes[0] = divide2(vec2<f32>(from_middle.x, 0.0), view.focal);
         slopes[1] = divide2(vec2<f32>(from_middle.y, 0.0), view.focal);
     }

@@ -46,6 +46,13 @@ struct View {
     // Of Gaussians: least and most opacity of a fragment, and what is added to the variances on the screen, in square
     // pixels; 1 in the last: opacity is less by as much as that adds.
     gaussian: vec4<f32>,
+    // Pixels by which projected positions are moved, in x and y.
+    shift: vec4<f32>,
+}
+
+// Where the viewing axis meets the image, in pixels: exact, since shifts are multiples of 1/128.
+fn middle_of_image() -> vec2<f32> {
+    return 0.5 * vec2<f32>(view.size) + view.shift.xy;
 }
 
 // Place of a pixel in the buffers of the rectangle in work.

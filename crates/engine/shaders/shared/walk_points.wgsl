@@ -51,7 +51,7 @@ fn quick_hit(i: u32) -> Hit {
     let scale = view.focal.x / select(1.0, depth, view.orthographic == 0u);
     let middle = view.size / 2u;
     // Pixels from there.
-    let half = 0.5 * vec2<f32>(view.size % 2u);
+    let half = 0.5 * vec2<f32>(view.size % 2u) + view.shift.xy;
     let at = vec2<f32>(dot3(place, view.right.xyz), dot3(place, view.down.xyz)) * scale + half;
     let reach = abs(place);
     let error = ERROR * ((reach.x + reach.y + reach.z) * scale + 1.0);

@@ -1,7 +1,9 @@
 //! A frame: camera, size, method and what else decides an image of an uploaded cloud.
 
+use glam::Vec3;
+
 use super::engine::Fragments;
-use super::{Error, Stop, engine_of};
+use super::{Error, SAMPLES, Stop, engine_of};
 use crate::camera::Camera;
 use crate::image::MAX_SIDE;
 use crate::scene::{ColorSpace, Detail, Kernel, Method, Order, Scene, Shading, Shadows};
@@ -20,6 +22,8 @@ pub struct Frame {
     pub shadows: Option<Shadows>,
     /// The color space of blending.
     pub color: ColorSpace,
+    /// Linear RGB behind the picture. It counts only in means of encoded images, which are means of what they show.
+    pub background: Vec3,
     /// The method.
     pub method: Method,
     /// Selection of the points that are drawn, of clouds whose points come some at a time; dealt ones are all drawn.
@@ -46,6 +50,11 @@ pub struct Frame {
     pub ensembles: Option<u32>,
     /// Factors on the uploaded radii and opacities.
     pub factors: Factors,
+    /// Samples of a pixel's area, one of [`SAMPLES`]: the picture is the mean of so many images, each moved by a
+    /// fraction of a pixel; depths are those of number N/2. 1: the image itself, of which each pixel shows its center.
+    pub samples: u32,
+    /// The one of these images that is drawn ([`Self::image`]); `None` draws their mean.
+    pub only: Option<u32>,
 }
 
 /// Factors on the uploaded values, so that another radius or opacity needs no upload.
@@ -72,6 +81,7 @@ impl Frame {
             shading: Shading::NONE,
             shadows: None,
             color: ColorSpace::Linear,
+            background: Vec3::ZERO,
             method,
             detail: Detail::default(),
             memory_budget: None,
@@ -83,6 +93,8 @@ impl Frame {
             spread: false,
             ensembles: None,
             factors: Factors::default(),
+            samples: 1,
+            only: None,
         }
     }
 
@@ -93,6 +105,8 @@ impl Frame {
             shading: scene.shading,
             shadows: scene.shadows,
             color: scene.image.color_space(),
+            background: scene.image.background.color(),
+            samples: scene.image.samples.count(),
             detail: scene.detail,
             seed,
             ..Self::new(camera, scene.image.size, scene.method.representative())
@@ -126,6 +140,9 @@ impl Frame {
         let allowed = 1..=MAX_SIDE;
         if !(allowed.contains(&width) && allowed.contains(&height)) {
             return Err(Error::ImageSize { width, height });
+        }
+        if !SAMPLES.contains(&self.samples) || self.only.is_some_and(|index| index >= self.samples) {
+            return Err(Error::PixelSamples { samples: self.samples });
         }
         if self.shading.edl.edl && !self.method.takes_edl() {
             return Err(Error::NoSurfaceDepth { method: self.method.name() });

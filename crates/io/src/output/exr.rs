@@ -27,7 +27,7 @@ pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -
         depths.iter().for_each(|depths| add(name, depths.clone()));
     }
     for (name, counts) in [("fragments.Y", &image.fragments), ("layers.Y", &image.layers)] {
-        counts.iter().for_each(|counts| add(name, counts.iter().map(|count| *count as f32).collect()));
+        counts.iter().for_each(|counts| add(name, image.mean_counts(counts)));
     }
     for (i, name) in ["stderr.R", "stderr.G", "stderr.B"].into_iter().enumerate() {
         image.stderr.iter().for_each(|errors| add(name, errors.iter().map(|error| error[i]).collect()));

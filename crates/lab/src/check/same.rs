@@ -83,6 +83,7 @@ mod tests {
             depth: (0..15).map(|i| if i == 3 { f32::INFINITY } else { value(i) }).collect(),
             depth_median: None,
             depth_mean: Some((0..15).map(value).collect()),
+            samples: 1,
             fragments: Some((0..15).collect()),
             layers: None,
             stderr: Some((0..15).map(|i| [value(i); 3]).collect()),

@@ -1,6 +1,6 @@
 //! A pixel's ray against a sphere.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::View;
 use pellucid_core::camera::Projection;
@@ -29,11 +29,9 @@ pub struct Chord {
 
 impl Ray {
     /// Makes the ray through the center of pixel (x, y).
-    pub fn new(View { camera, size }: View, [x, y]: [u32; 2]) -> Self {
-        let focal = camera.focal_px(size[1]);
-        let right = (f64::from(x) + 0.5 - 0.5 * f64::from(size[0])) / focal;
-        let up = (0.5 * f64::from(size[1]) - f64::from(y) - 0.5) / focal;
-        match camera.projection {
+    pub fn new(view: View, [x, y]: [u32; 2]) -> Self {
+        let DVec2 { x: right, y: up } = view.on_plane(DVec2::new(f64::from(x), f64::from(y)) + 0.5);
+        match view.camera.projection {
             Projection::Perspective { .. } => {
                 let through = DVec3::new(right, up, 1.0);
                 Self { origin: DVec3::ZERO, direction: through.normalize(), stretch: through.length() }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::schema::{ValueKind, Word, settings, value};
+use crate::schema::{Range, Slider, ValueKind, Word, settings, value};
 use crate::setting::Setting;
 use crate::tree;
 use pellucid_core::color::ColorSpace;
@@ -17,6 +17,11 @@ settings! {
         /// Color behind all points, in linear light; auto, the default without a scene file, is black, or white behind
         /// dark points.
         background: Background = Background::Color(Vec3::ZERO);
+        /// Samples of a pixel's area, 1, 2, 4, 8, 16, 32 or 64: the picture is the mean of so many images, each moved by
+        /// a fraction of a pixel; auto doubles them until they change the picture by less than `sampling_error`.
+        samples: Samples = Samples::Count(1), unit "samples per pixel";
+        /// RMSE of a picture with half as many samples at which `samples = "auto"` ends.
+        sampling_error: f32 = 0.003, in Range::POSITIVE, slider Slider::Powers(0.0001, 0.1);
         /// Color space of blending: linear light, or the encoded (stored) values.
         color: Option<ColorSpace> = None, without "`\"linear\"`; `\"encoded\"` where every cloud is of Gaussians";
     }
@@ -27,6 +32,43 @@ impl ImageSettings {
     pub fn color_space(&self) -> ColorSpace {
         self.color.unwrap_or_default()
     }
+}
+
+/// The most samples of a pixel.
+pub const MAX_SAMPLES: u32 = 64;
+
+/// `samples`: samples of a pixel's area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Samples {
+    /// As many as it takes for `sampling_error`, from 4 to [`MAX_SAMPLES`].
+    Auto,
+    /// A power of two, from 1 to [`MAX_SAMPLES`].
+    Count(u32),
+}
+
+impl Samples {
+    /// Returns the number; that of `auto` is 1 as long as no picture has settled it.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Auto => 1,
+            Self::Count(count) => count,
+        }
+    }
+}
+
+value! {
+    Samples => ValueKind::WordOr("auto", &ValueKind::Integer(1, MAX_SAMPLES));
+    |table, key| match table.get(key).map(|node| (node, &node.value)) {
+        Some((_, tree::Value::String(_))) => table.choice(key, &[("auto", Samples::Auto)]),
+        Some((node, tree::Value::Integer(count))) if (1..=64).contains(count) && count.count_ones() != 1 => {
+            Err(table.wrong(key, node, "1, 2, 4, 8, 16, 32, 64 or \"auto\""))
+        }
+        _ => Ok(table.integer(key, 1, MAX_SAMPLES)?.map(Samples::Count)),
+    };
+    |samples| Some(match *samples {
+        Samples::Auto => Setting::from("auto"),
+        Samples::Count(count) => Setting::Integer(count),
+    });
 }
 
 /// `background`.

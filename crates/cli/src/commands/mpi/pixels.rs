@@ -99,6 +99,7 @@ mod tests {
             depth: values(2.0),
             depth_median: None,
             depth_mean: Some(values(3.0)),
+            samples: 1,
             fragments: Some((0..12).collect()),
             layers: None,
             stderr: Some(vec![[seed; 3]; 12]),

@@ -34,7 +34,7 @@ pub use turntable::Turntable;
 
 use std::path::PathBuf;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::{Camera, Projection};
 
@@ -72,7 +72,7 @@ impl Pose {
     /// Returns the camera with these depths.
     pub fn camera(&self, near: f64, far: f64) -> Camera {
         let Self { eye, right, up, forward, projection, .. } = *self;
-        Camera { eye, right, up, forward, projection, near, far }
+        Camera { eye, right, up, forward, projection, near, far, shift: DVec2::ZERO }
     }
 }
 

@@ -12,11 +12,12 @@ pub use self::upload::{PointSource, Upload};
 
 use std::time::{Duration, Instant};
 
-use self::walk::{Job, largest};
+use self::walk::{Job, first_counts, largest};
 use super::brightness;
 use super::bytes::aggregate;
 use super::edl::{self, EyeDomeLighting};
 use super::engine::{Fragments, Switches};
+use super::mean::{self, Mean};
 use super::{FrameProfile, shadows, spbr, stochastic};
 use crate::cloud::shadow_texture::Casting;
 use crate::io::has_memory;
@@ -170,10 +171,50 @@ impl Renderer {
         let engine = engine.as_ref();
         self.check_memory(engine, frame)?;
         let begun = self.begin(engine, cloud, frame, timeline, false)?;
-        let mut image = self.begin_image(engine, frame)?;
         let learns = self.learns(frame, cloud, &begun.windows, timeline);
-        let job = Job { learns, ..Job::new(engine, frame, begun.budget) };
-        let mut facts = match (engine.samples(frame), frame.max_error) {
+        let job = Job { learns, images: frame.images(), ..Job::new(engine, frame, begun.budget) };
+        let (image, mut facts) = if frame.is_mean() && frame.shading.edl.edl {
+            self.mean_of_lit(cloud, &job, &begun, timeline)?
+        } else {
+            self.picture(cloud, &job, &begun, timeline)?
+        };
+        let profile = self.end(engine, &begun, timeline, &mut facts, (frame, &image), cloud);
+        Ok(Rendered { image, profile, facts })
+    }
+
+    /// Renders the mean of images that are lit each by itself, from the depths of all of its pixels: one image after the
+    /// other.
+    fn mean_of_lit(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        job: &Job<'_>,
+        begun: &Begun,
+        timeline: &mut Timeline,
+    ) -> Result<(Image, Facts), Error> {
+        let [width, height] = job.frame.size;
+        let (mut image, mut facts) = (self.begin_image(job.engine, job.frame)?, first_counts(cloud));
+        let mut mean = Mean::new(job.frame, &image);
+        for (number, frame) in job.images.iter().enumerate() {
+            self.recycle(image);
+            let alone = Job { frame, images: vec![*frame], counted: Some(facts), ..job.clone() };
+            (image, facts) = self.picture(cloud, &alone, begun, timeline)?;
+            mean.add(&image, [0, 0, width, height], number == 0);
+        }
+        mean.finish(&mut image);
+        Ok((image, facts))
+    }
+
+    /// Renders the picture of a frame that has begun.
+    fn picture(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        job: &Job<'_>,
+        begun: &Begun,
+        timeline: &mut Timeline,
+    ) -> Result<(Image, Facts), Error> {
+        let (engine, frame) = (job.engine, job.frame);
+        let mut image = self.begin_image(engine, frame)?;
+        let facts = match (engine.samples(frame), frame.max_error) {
             (Some(limit), Some(most)) => {
                 let mut samples = limit.min(stochastic::FIRST_SAMPLES);
                 loop {
@@ -192,7 +233,7 @@ impl Renderer {
                 }
             }
             (samples, _) => {
-                let job = Job { samples: 0..samples.unwrap_or(0), ..job };
+                let job = Job { samples: 0..samples.unwrap_or(0), ..job.clone() };
                 self.draw(cloud, &job, &begun.windows, &mut image, timeline)?
             }
         };
@@ -200,13 +241,14 @@ impl Renderer {
             image.rgba = Vec::new();
         }
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
+        // The image whose depths the picture has is the last one.
+        let frame = job.images.last().unwrap_or(frame);
         self.find_depths(cloud, frame, begun.budget, &mut image, timeline)?;
         if frame.shading.edl.edl && self.region.is_none() {
             self.light_eye_domes(frame, begun.shading, &mut image, timeline)?;
         }
         image.depth_median = image.depth_median.filter(|_| frame.depths || self.region.is_some());
-        let profile = self.end(engine, &begun, timeline, &mut facts, (frame, &image), cloud);
-        Ok(Rendered { image, profile, facts })
+        Ok((image, facts))
     }
 
     /// Brings to the device what a frame needs of a cloud, casts its shadows, cuts it into windows, and makes room for
@@ -246,8 +288,11 @@ impl Renderer {
     fn begin_image(&mut self, engine: &dyn Engine, frame: &Frame) -> Result<Image, Error> {
         // Buffers of a driver for CPUs have taken some of the host's memory meanwhile.
         self.check_memory(engine, frame)?;
-        self.target.keeps_colors =
-            !self.host_colors && !frame.shading.edl.edl && !frame.depths && !brightness::is_applied(&frame.method);
+        self.target.keeps_colors = !self.host_colors
+            && !frame.is_mean()
+            && !frame.shading.edl.edl
+            && !frame.depths
+            && !brightness::is_applied(&frame.method);
         Ok(blank(self.spare.take(), engine, frame))
     }
 
@@ -266,7 +311,8 @@ impl Renderer {
             + u64::from(frame.fragments && channels.layers)
             + if has_spread { 3 } else { 0 }
             + if frame.depths { 2 } else { 0 };
-        let bytes = 4 * words * u64::from(width) * u64::from(height);
+        let sums = if frame.is_mean() { mean::PIXEL_BYTES } else { 0 };
+        let bytes = (4 * words + sums) * u64::from(width) * u64::from(height);
         if has_memory(bytes) { Ok(()) } else { Err(Error::HostMemory { width, height, bytes }) }
     }
 
@@ -361,11 +407,12 @@ impl Renderer {
     /// Returns the reason why frames like this one, which was rendered last, wait for their counts, a phrase; `None` if
     /// nothing keeps them from being foreseen.
     pub fn hindrance(&self, cloud: &DeviceCloud, rendered: &Rendered) -> Option<&'static str> {
+        let images = if rendered.image.samples > 1 { u64::from(rendered.image.samples) } else { 1 };
         if cloud.supply().is_some() {
             Some("their points come to the device part by part")
         } else if !self.device.info().conditional {
             Some("the device can't leave commands out (VK_EXT_conditional_rendering)")
-        } else if rendered.facts.windows > 1 || rendered.facts.bands > 1 {
+        } else if rendered.facts.windows > images || rendered.facts.bands > images {
             Some("the device's memory holds only a part of the picture's fragments at a time")
         } else if rendered.profile.submitted > LONGEST {
             Some("they take longer than a second")
@@ -441,5 +488,5 @@ fn blank(spare: Option<Image>, engine: &dyn Engine, frame: &Frame) -> Image {
         }
         _ => (vec![[0.0; 4]; pixels], vec![0.0; pixels]),
     };
-    Image { width, height, rgba, depth, depth_median: None, depth_mean: None, fragments, layers, stderr }
+    Image { width, height, rgba, depth, depth_median: None, depth_mean: None, samples: 1, fragments, layers, stderr }
 }

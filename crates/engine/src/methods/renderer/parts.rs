@@ -93,12 +93,12 @@ impl Renderer {
         let begun = Begun { waits, lights: (0, 0), budget, shading, windows };
         let mut image = self.begin_image(engine, frame)?;
         self.target.keeps_colors &= begun.windows.iter().all(|window| is_whole(*window, frame));
-        let mut facts = self.begin_windows(cloud, frame);
+        let mut facts = self.begin_windows(cloud, frame, 1);
         // Lengths of lists came with the parts.
         let of_window = Frame { fragments: false, ..spreading(frame) };
         let job = Job { samples: 0..layout.steps().total, ..Job::new(engine, &of_window, budget) };
         for window in begun.windows.iter().copied() {
-            let (mut work, buffers) = self.work(&job, window, timeline, &mut facts);
+            let (mut work, buffers) = self.work((&job, &of_window), window, timeline, &mut facts);
             engine.resolve(cloud, buffers, &mut work, parts)?;
             self.deliver(engine, &of_window, window, &mut image)?;
         }

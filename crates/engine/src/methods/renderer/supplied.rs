@@ -34,10 +34,20 @@ fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame) -> u64 {
     (all_bytes(device, frame) / PART / bytes).min(Cut::most(device)).max(1)
 }
 
+/// Returns the part of space that a window of all images of a frame shows.
+fn beam(engine: &dyn Engine, cloud: &DeviceCloud, frame: &Frame, window: Window) -> Beam {
+    let mut extent = engine.extent(frame, cloud);
+    if frame.samples > 1 {
+        // Each of them is moved by less than half a pixel.
+        extent.pixels += 0.5;
+    }
+    Beam::new(&frame.camera, frame.size, window, extent)
+}
+
 impl Renderer {
     /// Returns the part of space that a window of a frame shows: points outside of it need not be there.
     pub fn beam(&self, cloud: &DeviceCloud, frame: &Frame, window: Window) -> Beam {
-        Beam::new(&frame.camera, frame.size, window, engine_of(&frame.method).extent(frame, cloud))
+        beam(engine_of(&frame.method).as_ref(), cloud, frame, window)
     }
 
     /// Returns the number of points of a cloud that comes window by window that are on the device at a time, at most.
@@ -68,7 +78,7 @@ impl Renderer {
         let Some(supply) = cloud.supply() else { return Ok(Outcome::Done) };
         let (frame, blocks, room) = (job.frame, supply.blocks(), room(&self.device, cloud, job.frame));
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
-        let beam = Beam::new(&frame.camera, frame.size, window, job.engine.extent(frame, cloud));
+        let beam = beam(job.engine, cloud, frame, window);
         let wanted = Present { within: Some(beam) };
         // A region is for others to render the rest: its points alone are projected.
         let is_whole = self.region.is_none();

@@ -20,7 +20,7 @@ impl Renderer {
         let mut facts = Facts { light_views, light_resolution, ..first_counts(cloud) };
         let samples = 0..engine.samples(frame).unwrap_or(0);
         let job = Job { samples, survey: true, ..Job::new(engine, frame, begun.budget) };
-        self.walk(cloud, &job, &begun.windows, &mut timeline, &mut facts, |_, _| Ok(()))?;
+        self.walk(cloud, &job, &begun.windows, &mut timeline, &mut facts, |_, _, _| Ok(()))?;
         Ok(facts)
     }
 

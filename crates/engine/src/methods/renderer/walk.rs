@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use super::{LONGEST, Renderer};
+use crate::methods::mean::Mean;
 use crate::methods::prelude::*;
 
 /// The work on each window of a frame.
@@ -12,12 +13,16 @@ pub(super) struct Job<'a> {
     pub engine: &'a dyn Engine,
     /// The frame.
     pub frame: &'a Frame,
+    /// The frames of its images, one after the other in each window.
+    pub images: Vec<Frame>,
     /// The memory that may be used.
     pub budget: Budget,
     /// Samples or ensembles to draw.
     pub samples: Range<u32>,
     /// Place for sums of samples, which then are not resolved to an image.
     pub sums: Option<&'a RefCell<SamplePart>>,
+    /// Counts to which those of this work are added.
+    pub counted: Option<Facts>,
     /// `true` if counting is enough.
     pub survey: bool,
     /// `true` if windows learn their counts from earlier frames.
@@ -29,12 +34,23 @@ pub(super) struct Job<'a> {
 impl<'a> Job<'a> {
     /// Returns the rendering of a frame that learns nothing from earlier ones, without samples.
     pub fn new(engine: &'a dyn Engine, frame: &'a Frame, budget: Budget) -> Self {
-        Self { engine, frame, budget, samples: 0..0, sums: None, survey: false, learns: false, by_rows: false }
+        Self {
+            engine,
+            frame,
+            images: vec![*frame],
+            budget,
+            samples: 0..0,
+            sums: None,
+            counted: None,
+            survey: false,
+            learns: false,
+            by_rows: false,
+        }
     }
 }
 
 impl Renderer {
-    /// Renders the windows of a frame into an image, or keeps their sums.
+    /// Renders the windows of a frame into an image, the mean of its images if they are several, or keeps their sums.
     pub(super) fn draw(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -43,16 +59,24 @@ impl Renderer {
         image: &mut Image,
         timeline: &mut Timeline,
     ) -> Result<Facts, Error> {
-        let mut facts = self.begin_windows(cloud, job.frame);
-        self.walk(cloud, job, windows, timeline, &mut facts, |renderer, window| match job.sums {
+        let begun = self.begin_windows(cloud, job.frame, job.images.len());
+        let mut facts = job.counted.clone().unwrap_or(begun);
+        let mut mean = (job.images.len() > 1).then(|| Mean::new(job.frame, image));
+        self.walk(cloud, job, windows, timeline, &mut facts, |renderer, window, number| match job.sums {
             Some(_) => Ok(renderer.progress.check()?),
-            None => renderer.deliver(job.engine, job.frame, window, image),
+            None => {
+                renderer.deliver(job.engine, &job.images[number], window, image)?;
+                mean.iter_mut().for_each(|mean| mean.add(image, window, number == 0));
+                Ok(())
+            }
         })?;
+        mean.into_iter().for_each(|mean| mean.finish(image));
         Ok(facts)
     }
 
     /// Goes through the windows of a frame in their order, and cuts those that turn out too large. Each finished window
-    /// is handed to `done`.
+    /// is handed to `done`, with the number of the image. All images of a window come before the next one, so that
+    /// points that come to the device window by window come once.
     pub(super) fn walk(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -60,22 +84,28 @@ impl Renderer {
         windows: &[Window],
         timeline: &mut Timeline,
         facts: &mut Facts,
-        mut done: impl FnMut(&mut Self, Window) -> Result<(), Error>,
+        mut done: impl FnMut(&mut Self, Window, usize) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let mut left: Vec<Window> = windows.iter().rev().copied().collect();
         while let Some(window) = left.pop() {
             self.target.keeps_colors &= is_whole(window, job.frame);
-            match self.window(cloud, job, window, timeline, facts)? {
-                Outcome::Done => done(self, window)?,
-                Outcome::Overflow => split(job, cloud, window, &mut left)?,
+            for (number, image) in job.images.iter().enumerate() {
+                match self.window(cloud, (job, image), window, timeline, facts)? {
+                    Outcome::Done => done(self, window, number)?,
+                    // Its halves begin with the first image again.
+                    Outcome::Overflow => {
+                        split(job, cloud, window, &mut left)?;
+                        break;
+                    }
+                }
             }
         }
         Ok(())
     }
 
     /// Begins to go through the windows of a frame. Returns its first counts.
-    pub(super) fn begin_windows(&mut self, cloud: &DeviceCloud, frame: &Frame) -> Facts {
-        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
+    pub(super) fn begin_windows(&mut self, cloud: &DeviceCloud, frame: &Frame, images: usize) -> Facts {
+        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]) * images as u64);
         self.progress.set_position(0);
         self.whole = None;
         first_counts(cloud)
@@ -101,7 +131,7 @@ impl Renderer {
     fn window(
         &mut self,
         cloud: &mut DeviceCloud,
-        job: &Job<'_>,
+        (job, frame): (&Job<'_>, &Frame),
         window: Window,
         timeline: &mut Timeline,
         facts: &mut Facts,
@@ -109,7 +139,7 @@ impl Renderer {
         timeline.foresight.begin(!job.learns || self.submitted > LONGEST);
         loop {
             let before = facts.clone();
-            let outcome = self.attempt(cloud, job, window, timeline, facts);
+            let outcome = self.attempt(cloud, (job, frame), window, timeline, facts);
             timeline.drop_paused();
             let waited = timeline.foresight.knowledge() == Knowledge::None;
             match outcome {
@@ -136,7 +166,7 @@ impl Renderer {
     fn attempt(
         &mut self,
         cloud: &mut DeviceCloud,
-        job: &Job<'_>,
+        (job, frame): (&Job<'_>, &Frame),
         window: Window,
         timeline: &mut Timeline,
         facts: &mut Facts,
@@ -144,7 +174,7 @@ impl Renderer {
         if self.bring(cloud, job, window, timeline)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
-        let (mut work, buffers) = self.work(job, window, timeline, facts);
+        let (mut work, buffers) = self.work((job, frame), window, timeline, facts);
         let outcome = job.engine.render(cloud, buffers, &mut work)?;
         if outcome == Outcome::Done {
             for note in std::mem::take(&mut work.later) {
@@ -157,14 +187,14 @@ impl Renderer {
     /// Returns a window in work, and the buffers for it.
     pub(super) fn work<'a>(
         &'a mut self,
-        job: &Job<'a>,
+        (job, frame): (&Job<'a>, &'a Frame),
         window: Window,
         timeline: &'a mut Timeline,
         facts: &'a mut Facts,
     ) -> (Work<'a>, &'a mut Buffers) {
         let work = Work {
             device: &self.device,
-            frame: job.frame,
+            frame,
             window,
             budget: job.budget,
             samples: job.samples.clone(),

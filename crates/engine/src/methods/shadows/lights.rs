@@ -98,7 +98,16 @@ fn along(forward: DVec3, bounds: &Bounds, margin: f64) -> LightView {
     let depth = half.z + 0.01 * size;
     let eye = center - depth * forward;
     let (near, far) = (1e-3 * size, 2.0 * depth);
-    let camera = Camera { eye, right, up, forward, projection: Projection::Orthographic { height }, near, far };
+    let camera = Camera {
+        eye,
+        right,
+        up,
+        forward,
+        projection: Projection::Orthographic { height },
+        near,
+        far,
+        shift: DVec2::ZERO,
+    };
     LightView { camera, face: None }
 }
 
@@ -117,7 +126,16 @@ fn from(position: DVec3, bounds: &Bounds, margin: f64) -> Option<LightView> {
     let widest = corners.iter().map(|corner| corner.x.abs().max(corner.y.abs()) / corner.z).fold(least, f64::max);
     let fov_y = 2.0 * (widest * margin).atan();
     let projection = Projection::Perspective { fov_y };
-    let camera = Camera { eye: position, right, up, forward, projection, near: 0.99 * near, far: 1.01 * far };
+    let camera = Camera {
+        eye: position,
+        right,
+        up,
+        forward,
+        projection,
+        near: 0.99 * near,
+        far: 1.01 * far,
+        shift: DVec2::ZERO,
+    };
     (widest <= WIDEST).then_some(LightView { camera, face: None })
 }
 
@@ -130,7 +148,7 @@ fn around(position: DVec3, bounds: &Bounds, margin: f64) -> [LightView; 6] {
         let [right, up] = axes(forward);
         // Points can't be too near: a point at the position of the light is lit.
         let (near, far) = (NEAREST, 1.01 * far.max(2.0 * NEAREST));
-        let camera = Camera { eye: position, right, up, forward, projection, near, far };
+        let camera = Camera { eye: position, right, up, forward, projection, near, far, shift: DVec2::ZERO };
         LightView { camera, face: Some(face as u32) }
     })
 }

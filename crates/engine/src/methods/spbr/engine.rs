@@ -53,13 +53,18 @@ impl Engine for EnsembleEngine {
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
-        let (device, frame, window, drawn) = (work.device, work.frame, work.window, work.samples.clone());
-        let (shares, how) = (shares(cloud, frame)?, frame.projecting_points(cloud));
+        let (device, frame, window) = (work.device, work.frame, work.window);
+        // Each image of a mean has ensembles of its own, all of them dealt together.
+        let before = frame.number() * self.ensembles;
+        let drawn = before + work.samples.start..before + work.samples.end;
+        let ensembles = frame.samples * self.ensembles;
+        let shares: Vec<Share> = shares(cloud, frame)?.into_iter().map(|share| share.times(frame.samples)).collect();
+        let how = frame.projecting_points(cloud);
         let streamed = self.streamed(device, cloud, frame);
         let form = Self::form(work, cloud, &how, streamed.is_some());
         let facts = &mut *work.facts;
         (facts.ensembles, facts.form) = (drawn.end - drawn.start, Some(form));
-        let slots = |share: &Share, drawn| slots_of(share, self.ensembles, drawn);
+        let slots = |share: &Share, drawn| slots_of(share, ensembles, drawn);
         facts.slots = shares.iter().map(|s| slots(s, drawn.end) - slots(s, drawn.start)).sum();
         facts.thin = thin(&shares);
         facts.adjusted = adjusted(cloud, frame);
@@ -74,6 +79,7 @@ impl Engine for EnsembleEngine {
             window,
             how: &how,
             shares: &shares,
+            ensembles: [self.ensembles, ensembles],
             method: frame.method,
             drawn,
             seed: frame.seed,

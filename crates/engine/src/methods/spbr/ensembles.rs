@@ -70,7 +70,7 @@ impl Ensembles {
                     work.timeline.submit(recorder, "spbr/draw")?;
                     self.keep(work)?;
                 } else {
-                    self.end(recorder, work, job.drawn.end, job.scale())?;
+                    self.end(recorder, work, work.samples.end, job.scale())?;
                 }
                 break;
             }
@@ -318,7 +318,7 @@ impl Ensembles {
 
 fn push(job: &SpbrJob<'_>, task: &Task) -> SlotsPush {
     let (share, piece) = (&job.shares[task.cloud], &task.piece);
-    let ensembles = job.ensembles();
+    let ensembles = job.ensembles[1];
     let [key_x, key_y] = key(job.seed);
     let scale = job.scale();
     let before = u128::from(share.slots) * u128::from(task.ensembles.start);

@@ -28,9 +28,11 @@ pub struct SpbrJob<'a> {
     pub how: &'a Projecting,
     /// The share of each cloud.
     pub shares: &'a [Share],
+    /// Ensembles of an image, and of all images to which points are dealt together.
+    pub ensembles: [u32; 2],
     /// The method.
     pub method: Method,
-    /// Ensembles that are drawn, of those of the method.
+    /// Ensembles that are drawn, of those of all images.
     pub drawn: Range<u32>,
     /// Seed.
     pub seed: u64,
@@ -53,11 +55,6 @@ pub struct SpbrJob<'a> {
 impl SpbrJob<'_> {
     pub(super) fn pixels(&self) -> u64 {
         bands::pixels(self.window)
-    }
-
-    /// L.
-    pub(super) fn ensembles(&self) -> u32 {
-        self.method.ensembles().unwrap_or(1)
     }
 
     pub(super) fn kind(&self) -> SpbrKind {
@@ -89,7 +86,7 @@ impl SpbrJob<'_> {
     /// while.
     pub(super) fn planes(&self) -> u64 {
         let slots: u64 = self.shares.iter().map(|s| s.slots).sum();
-        let worth = ROUND_SLOTS * self.concurrent * u64::from(self.ensembles()) / slots.max(1);
+        let worth = ROUND_SLOTS * self.concurrent * u64::from(self.ensembles[1]) / slots.max(1);
         let bytes = 8 * self.pixels();
         let fit = (self.budget.binding / bytes).min(self.budget.bytes / 2 / bytes);
         worth.clamp(1, MOST_PLANES).min(fit).min(self.drawn.len() as u64).max(1)
@@ -122,7 +119,7 @@ impl SpbrJob<'_> {
     }
 
     pub(super) fn scale(&self) -> Scale {
-        Scale::new(self.ensembles(), self.cloud.max_color(self.how))
+        Scale::new(self.ensembles[0], self.cloud.max_color(self.how))
     }
 
     /// Returns the number of workgroups of a large square.

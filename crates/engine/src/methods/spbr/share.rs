@@ -56,6 +56,11 @@ pub struct Wanted<'a> {
 }
 
 impl Share {
+    /// Returns the share of so many images together, each of which has as many ensembles.
+    pub fn times(self, images: u32) -> Self {
+        Self { slots: self.slots * u64::from(images), ..self }
+    }
+
     /// Returns the dealing of its points to this many ensembles; `place` is the cloud's among the others.
     pub fn deal(&self, ensembles: u32, place: u32, seed: u64) -> Deal {
         Deal { points: self.points.end - self.points.start, slots: self.slots, ensembles, place, seed }

@@ -56,7 +56,7 @@ impl<'a> Tasks<'a> {
         });
         for stage in job.form.stages() {
             for (cloud, share) in job.shares.iter().enumerate() {
-                let deal = share.deal(job.ensembles(), cloud as u32, job.seed);
+                let deal = share.deal(job.ensembles[1], cloud as u32, job.seed);
                 let most = job.dispatch_slots();
                 let pieces = pieces(share.points.start, &deal, ensembles.clone(), job.longest(), most);
                 self.round.extend(pieces.into_iter().map(|piece| Task {

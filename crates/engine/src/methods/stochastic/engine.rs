@@ -1,13 +1,15 @@
 //! The engine of `stochastic`, by compute shaders and by the rasterizer.
 
 use super::hardware::{self, HeldDepths};
-use super::{Batch, STRATA, SampleJob, SampleKind, Sampler, batches, least_bytes, pixel_bytes, window_pixels};
+use super::{
+    Batch, STRATA, SampleJob, SampleKind, Sampler, batches, calls_of, least_bytes, pixel_bytes, window_pixels,
+};
 use crate::methods::abuffer::{self, counted_beside};
 use crate::methods::parts::{Plane, Sums};
 use crate::methods::prelude::*;
 use crate::methods::tiled::{self, Stage};
 use crate::methods::walker::sampling_walker;
-use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
+use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
 
 /// Random samples of each pixel.
@@ -52,7 +54,9 @@ impl Stage for StochasticEngine {
         let Range { start: first, end: samples } = work.samples;
         work.facts.samples = samples - first;
         let settings = Stochastic { samples, ..self.settings };
-        let job = SampleJob { bin, settings, first, seed: work.frame.seed, spread: work.frame.wants_spread() };
+        let calls = work.frame.number() * calls_of(self.settings.samples);
+        let (seed, spread) = (work.frame.seed, work.frame.wants_spread());
+        let job = SampleJob { bin, settings, first, seed, calls, spread };
         let sampler = own.of::<Sampler>(work.device)?;
         if bin.raster.walker == Walker::Hardware {
             sampler.draw(work, &job, HeldDepths::new(&work.frame.camera, bin.raster.footprint))?;
@@ -282,8 +286,7 @@ impl Sampler {
 }
 
 fn push(job: &SampleJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) -> StochasticPush {
-    let [key_low, key_high] = random::key(job.seed);
-    let key_high = key_high.wrapping_add(before / STRATUM / STRATA_OF_A_CALL);
+    let [key_low, key_high] = job.key(before / STRATUM / STRATA_OF_A_CALL);
     let pixels = job.pixels() as u32;
     StochasticPush { walk, pixels, before, left, key_low, key_high }
 }

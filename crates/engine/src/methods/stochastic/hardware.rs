@@ -9,7 +9,7 @@ use super::{Batch, SampleJob, SampleKind, Sampler, most_strata};
 use crate::gpu::{Blend, DepthSamples, Format, NumberSamples, Pixels, SAMPLES, ScratchAttachment, Targets};
 use crate::methods::prelude::*;
 use crate::passes::raster::QuadsGroup;
-use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
+use crate::random::{STRATA_OF_A_CALL, STRATUM};
 
 gpu_struct! {
     /// Push constants of the draws.
@@ -110,14 +110,14 @@ impl Stratum {
         (self.batch.left - self.number * STRATUM).min(STRATUM)
     }
 
-    fn push(&self, seed: u64) -> StratumPush {
-        let [key_low, key_high] = random::key(seed);
+    fn push(&self, job: &SampleJob<'_>) -> StratumPush {
         let stratum = self.batch.before / STRATUM + self.number;
+        let [key_low, key_high] = job.key(stratum / STRATA_OF_A_CALL);
         let HeldDepths { base, shift } = self.depths;
         StratumPush {
             first: 0,
             key_low,
-            key_high: key_high.wrapping_add(stratum / STRATA_OF_A_CALL),
+            key_high,
             word: stratum % STRATA_OF_A_CALL,
             samples: self.samples(),
             base,
@@ -192,7 +192,7 @@ impl Sampler {
                 let stratum = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
                 let color = Some((self.attachments.alphas.get(), Blend::Cover));
                 let targets = Targets { color, depth: None, clear: Some(0.0) };
-                let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+                let push = |first| StratumPush { first, ..stratum.push(job) };
                 job.bin.raster.draw(
                     &mut recorder,
                     &draw_variant(job),
@@ -219,7 +219,7 @@ impl Sampler {
         let Attachments { depths, indices, sums, alphas } = &self.attachments;
         let (depths, indices, drawn) = (depths.get(), indices.get(), sums.get());
         let (raster, variant) = (job.bin.raster, draw_variant(job));
-        let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+        let push = |first| StratumPush { first, ..stratum.push(job) };
         let held = Targets { color: Some((indices, Blend::Replace)), depth: Some(depths), clear: Some(f32::MAX) };
         raster.draw(recorder, &variant, held, |quads, ids| DrawHeld { quads, ids }, push)?;
         let summed = Targets { color: Some((drawn, Blend::Add)), depth: None, clear: Some(0.0) };

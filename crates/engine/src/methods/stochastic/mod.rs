@@ -17,7 +17,7 @@ pub(crate) use engine::{StochasticEngine, pass_group};
 use super::parts::{MOST_STRATA, Plane};
 use crate::image;
 use crate::methods::prelude::*;
-use crate::random::{STRATA_OF_A_CALL, STRATUM};
+use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
 
 /// Samples of the first round where an error is asked for: the spread of four strata tells how many it takes.
@@ -174,11 +174,24 @@ pub struct SampleJob<'a> {
     pub first: u32,
     /// Seed of the masks.
     pub seed: u64,
+    /// Calls of the random numbers that the images before this one have: each has numbers of its own.
+    pub calls: u32,
     /// `true` if the standard error is asked for.
     pub spread: bool,
 }
 
+/// Returns the calls of the random numbers that so many samples of a pixel have.
+pub(super) fn calls_of(samples: u32) -> u32 {
+    samples.div_ceil(STRATUM * STRATA_OF_A_CALL)
+}
+
 impl SampleJob<'_> {
+    /// Returns the key of a call of the random numbers, counted from the image's first.
+    fn key(&self, call: u32) -> [u32; 2] {
+        let [low, high] = random::key(self.seed);
+        [low, high.wrapping_add(self.calls + call)]
+    }
+
     fn kind(&self) -> SampleKind {
         SampleKind { exact: self.settings.alpha_correction, spread: self.spread }
     }

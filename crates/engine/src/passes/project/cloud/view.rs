@@ -36,6 +36,7 @@ gpu_struct! {
         order: u32,
         tilted: u32,
         gaussian: [f32; 4],
+        shift: [f32; 4],
     }
 }
 
@@ -89,6 +90,7 @@ impl DeviceCloud {
             order: how.gaussians.order as u32,
             tilted: u32::from(how.gaussians.discs == DiscShape::Oriented),
             gaussian: gaussian(&how.gaussians.settings),
+            shift: [camera.shift.x as f32, camera.shift.y as f32, 0.0, 0.0],
         };
         self.opacity_factor = how.opacity_factor;
         self.depth_origin = eye_hi[3];
