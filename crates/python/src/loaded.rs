@@ -79,7 +79,7 @@ impl Loaded {
     fn plan(&self, py: Python<'_>, ask: Ask, listener: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.with(py, listener, move |work, talk| {
             work.prepare(&ask.with_fragments(), talk)?;
-            measures::plan(&mut work.session)
+            measures::plan(&mut work.session, talk)
         })
     }
 

@@ -24,6 +24,7 @@ fn by_hand() -> Profile {
         timestamp_period_ns: 0.5,
         method: "peel",
         pixels: 12,
+        samples: 1,
         steady: Some(true),
         read: Reads { nodes: 3, bytes: 700 },
         peak_host_bytes: Some(1 << 21),

@@ -58,12 +58,19 @@ impl Samples {
 
 value! {
     Samples => ValueKind::WordOr("auto", &ValueKind::Integer(1, MAX_SAMPLES));
-    |table, key| match table.get(key).map(|node| (node, &node.value)) {
-        Some((_, tree::Value::String(_))) => table.choice(key, &[("auto", Samples::Auto)]),
-        Some((node, tree::Value::Integer(count))) if (1..=64).contains(count) && count.count_ones() != 1 => {
-            Err(table.wrong(key, node, "1, 2, 4, 8, 16, 32, 64 or \"auto\""))
+    |table, key| {
+        let Some(node) = table.get(key) else { return Ok(None) };
+        match &node.value {
+            tree::Value::String(word) if word == "auto" => return Ok(Some(Samples::Auto)),
+            tree::Value::Integer(count) if count.count_ones() == 1 => {
+                let allowed = u32::try_from(*count).ok().filter(|count| *count <= MAX_SAMPLES);
+                if let Some(count) = allowed {
+                    return Ok(Some(Samples::Count(count)));
+                }
+            }
+            _ => {}
         }
-        _ => Ok(table.integer(key, 1, MAX_SAMPLES)?.map(Samples::Count)),
+        Err(table.wrong(key, node, "1, 2, 4, 8, 16, 32, 64 or \"auto\""))
     };
     |samples| Some(match *samples {
         Samples::Auto => Setting::from("auto"),
