@@ -161,6 +161,7 @@ fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failur
         method: session.frame.method.name(),
         reason: session.why.clone(),
         stderr: rendered.image.standard_error(),
+        samples: rendered.image.samples.max(1),
     };
     Ok((picture, rendered.image))
 }

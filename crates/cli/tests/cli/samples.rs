@@ -80,7 +80,7 @@ fn sixty_four_samples_that_are_too_few_are_a_warning() {
         return;
     }
     let folder = folder();
-    builtin(&folder, "garden", &["points=500"]);
+    builtin(&folder, "garden", &["points=1000"]);
     let scene = ["render", "garden/scene.toml", "--size", "16x12", "--method", "points"];
     let more = ["--samples", "auto", "--set", "image.sampling_error=1e-7", "-o", "a.png"];
     let (_, said) = spoken(&folder, &[&scene[..], &more].concat());
@@ -192,7 +192,7 @@ fn numbers_that_no_pixel_has_are_refused_with_those_it_may_have() {
 #[test]
 fn deep_pictures_have_no_samples_of_an_area() {
     let folder = folder();
-    let garden = builtin(&folder, "garden", &["points=500"]);
+    let garden = builtin(&folder, "garden", &["points=1000"]);
     for samples in ["2", "auto"] {
         let args = ["render", &garden, "--deep", "-o", "a.exr", "--method", "abuffer", "-q", "--samples", samples];
         assert_refused(&folder, &args, 2, &["--deep", "image.samples", "--samples 1"]);

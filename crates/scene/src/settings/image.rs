@@ -17,10 +17,10 @@ settings! {
         /// Color behind all points, in linear light; auto, the default without a scene file, is black, or white behind
         /// dark points.
         background: Background = Background::Color(Vec3::ZERO);
-        /// Samples of a pixel's area, 1, 2, 4, 8, 16, 32 or 64: the picture is the mean of so many images, each moved by
-        /// a fraction of a pixel; auto doubles them until they change the picture by less than `sampling_error`.
+        /// Samples of a pixel's area: the picture is the mean of so many images, each moved by a fraction of a pixel;
+        /// auto takes as many as it needs.
         samples: Samples = Samples::Count(1), unit "samples per pixel";
-        /// RMSE of a picture with half as many samples at which `samples = "auto"` ends.
+        /// `samples = "auto"` doubles them from 4, to 64 at most, until half as many differ by this RMSE or less.
         sampling_error: f32 = 0.003, in Range::POSITIVE, slider Slider::Powers(0.0001, 0.1);
         /// Color space of blending: linear light, or the encoded (stored) values.
         color: Option<ColorSpace> = None, without "`\"linear\"`; `\"encoded\"` where every cloud is of Gaussians";
@@ -57,7 +57,7 @@ impl Samples {
 }
 
 value! {
-    Samples => ValueKind::WordOr("auto", &ValueKind::Integer(1, MAX_SAMPLES));
+    Samples => ValueKind::WordOr("auto", &ValueKind::OneOf(&[1, 2, 4, 8, 16, 32, 64]));
     |table, key| {
         let Some(node) = table.get(key) else { return Ok(None) };
         match &node.value {
