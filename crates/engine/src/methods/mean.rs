@@ -31,7 +31,7 @@ impl Frame {
     }
 
     /// Returns the frames of all images, that whose depths the picture has last: number N/2.
-    pub(super) fn images(&self) -> Vec<Self> {
+    pub fn images(&self) -> Vec<Self> {
         if self.samples == 1 || self.only.is_some() {
             return vec![*self];
         }
@@ -46,14 +46,14 @@ impl Frame {
     }
 
     /// Returns `true` if the picture is a mean of several images.
-    pub(super) fn is_mean(&self) -> bool {
+    pub fn is_mean(&self) -> bool {
         self.samples > 1 && self.only.is_none()
     }
 }
 
 /// Sums over the images of a frame: of colors in linear light, as the picture shows them, of counts, and of squared
 /// standard errors. Every pixel sums its images in their order, wherever windows are cut.
-pub(super) struct Mean {
+pub struct Mean {
     samples: u32,
     /// The encoded background, where colors are blended as encoded values.
     encoded: Option<Vec3>,

@@ -49,7 +49,7 @@ pub use facts::{Facts, ThinCloud};
 pub use frame::{Factors, Frame};
 pub use frame_profile::{FrameProfile, PassProfile};
 pub use linear::linear;
-pub use mean::SAMPLES;
+pub use mean::{Mean, SAMPLES};
 pub use parts::{DrawnPart, SamplePart, SampleSteps};
 pub use renderer::{PointSource, Rendered, Renderer, Upload};
 pub use target::{Layer, Pixels, PixelsGroup, Target};
