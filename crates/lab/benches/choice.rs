@@ -87,6 +87,7 @@ fn search(device: &Device, subject: &MeasuredScene<'_>) -> Result<Tradeoff> {
         rounds: 7,
         seeds: 2,
         command: String::new(),
+        against: Default::default(),
     };
     let folder = tempfile::tempdir()
         .map_err(|source| pellucid_io::output::Error::Write { path: std::env::temp_dir(), source })?;
@@ -98,8 +99,8 @@ fn choices(device: &Device, arranged: &Arranged, scene: &Scene, frame: Frame, ta
     let subject = choice::ChoiceFrame { arranged, frame, background: scene.image.background.color(), only: None };
     let exact = table.rows.iter().filter(|row| row.errors.rmse < choice::EXACT);
     let exact = exact.map(|row| row.gpu_ms.median).fold(f64::INFINITY, f64::min);
-    let by_error = ERRORS.map(|error| Wish { max_error: Some(error), budget_ms: None });
-    let by_time = BUDGETS.map(|part| Wish { max_error: None, budget_ms: Some(part * exact) });
+    let by_error = ERRORS.map(|error| Wish { max_error: Some(error), ..Wish::default() });
+    let by_time = BUDGETS.map(|part| Wish { budget_ms: Some(part * exact), ..Wish::default() });
     println!("{:<16} {:<38} {:<38} {:>6} {:>9} {:>7}", "wish", "chosen", "best", "ratio", "error / E", "frames");
     for (number, wish) in by_error.into_iter().chain(by_time).enumerate() {
         let hidden = Progress::hidden();

@@ -3,6 +3,7 @@
 use pellucid_engine::methods::{Factors, Stop};
 use pellucid_io as io;
 use pellucid_scene::{Document, Input, Method, Overrides, Scene, View, ViewName};
+use pellucid_session::area::Against;
 use pellucid_session::choice::Wish;
 use pellucid_session::{ChoiceRequest, FrameRequest, Limits, Request, Residence, SeeThrough, SeeThroughBy};
 use pyo3::prelude::*;
@@ -72,6 +73,8 @@ pub struct Ask {
     pub see_through: Option<f64>,
     max_error: Option<f64>,
     budget_ms: Option<f64>,
+    /// Word for the picture that errors are measured against.
+    against: Option<String>,
     /// Host memory for points, in bytes; beyond it they stay in their files.
     host_memory: Option<u64>,
 }
@@ -102,7 +105,7 @@ impl Ask {
         request.opacity_given =
             self.changes.iter().any(|(option, ..)| ["opacity", "surface_opacity"].contains(&option.as_str()));
         request.choice = ChoiceRequest {
-            wish: Wish { max_error: self.max_error, budget_ms: self.budget_ms },
+            wish: Wish { max_error: self.max_error, budget_ms: self.budget_ms, against: self.against() },
             only: request.scene.method.fixed().map(|method| Method::name(method).to_owned()),
             recalibrate: false,
         };
@@ -115,6 +118,11 @@ impl Ask {
             ..FrameRequest::default()
         };
         Ok(request)
+    }
+
+    /// Returns the picture that errors are measured against; [`Self::check`] refuses other words.
+    fn against(&self) -> Against {
+        self.against.as_deref().and_then(Against::from_word).unwrap_or_default()
     }
 
     /// Returns the host memory that points may take, in bytes.
@@ -143,6 +151,9 @@ impl Ask {
             if let Some(value) = value.filter(|value| !not_negative(*value)) {
                 return Err(Failure::Value(format!("{name}: expected a finite number of at least 0, found {value}")));
             }
+        }
+        if let Some(word) = self.against.as_ref().filter(|word| Against::from_word(word).is_none()) {
+            return Err(Failure::Value(format!("against: expected \"center\" or \"area\", found {word:?}")));
         }
         match self.see_through.filter(|share| !(0.0..=1.0).contains(share)) {
             Some(share) => Err(Failure::Value(format!("see_through: expected a share from 0 to 1, found {share}"))),

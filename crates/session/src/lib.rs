@@ -8,6 +8,7 @@
 //!   a changed key makes again.
 //! - [`Messages`] receives warnings and notes on the way.
 
+pub mod area;
 mod assembled;
 pub mod candidates;
 pub mod choice;

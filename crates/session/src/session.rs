@@ -22,6 +22,7 @@ use pellucid_io::peak_memory;
 use pellucid_scene::stored::Stored;
 use pellucid_scene::{self as scene, ImageSettings, Method, MethodChoice, Samples, Scene};
 
+use crate::area::{self, Sampling};
 use crate::assembled::Assembled;
 use crate::choice::{self, Choice, ChoiceFrame, Wish};
 use crate::messages::{Messages, Told};
@@ -33,6 +34,9 @@ use crate::{notes, prepared, soft_points};
 
 /// Factor on opacities before one is found: a scene that can be seen through, so that `auto` takes a method for that.
 const UNKNOWN_OPACITY: f32 = 0.5;
+
+/// Time that a picture's sampling error may take to measure, in seconds.
+const SAMPLING_SECONDS: f64 = 2.0;
 
 /// A way to render a frame.
 type Render = fn(&mut Renderer, &mut DeviceCloud, &Frame) -> Result<Rendered, FrameError>;
@@ -389,6 +393,7 @@ impl Session {
         choice.describe(messages);
         uploaded.allow_detail(renderer, &prepared.assembled, &choice.detail)?;
         (self.frame.method, self.frame.detail) = (choice.method, choice.detail);
+        self.frame.samples = choice.samples.unwrap_or(self.frame.samples);
         self.why = "chosen by what was measured on this scene".to_owned();
         self.choice = Some(choice);
         Ok(())
@@ -583,6 +588,32 @@ impl Session {
         adjusted.lines(&self.assembled().cloud_names()).iter().for_each(|line| messages.detail(line));
         let order = self.progress.spans().into_iter().filter(|span| span.phase == Phase::Order);
         messages.detail(&profile::adjustment_time(order.map(|span| span.length).sum()));
+    }
+
+    /// Says how far the exact picture with the frame's samples is off from itself with many: the error of looking at
+    /// points of each pixel in place of its area. Beside the error of a chosen method it is a note, otherwise a detail.
+    ///
+    /// # Errors
+    /// Returns an error if the device fails.
+    pub fn describe_sampling(&mut self, messages: &dyn Messages) -> Result<()> {
+        let Self { renderer, uploaded, prepared, frame, choice, .. } = self;
+        let background = prepared.scene().image.background.color();
+        let measured =
+            area::sampling(renderer, &mut uploaded.cloud, prepared.points(), (frame, background), SAMPLING_SECONDS);
+        let text = match measured {
+            Ok(Sampling::Known(area)) => area.text(),
+            Ok(Sampling::TooSlow(seconds)) => {
+                format!("pixel area: not measured, since that would take about {seconds:.0} s")
+            }
+            Ok(Sampling::Nothing) => return Ok(()),
+            Err(error) if error.is_refusal() => format!("pixel area: not measured: {error}"),
+            Err(error) => return Err(error.into()),
+        };
+        match choice {
+            Some(_) => messages.note(&text),
+            None => messages.detail(&text),
+        }
+        Ok(self.device.check_validation()?)
     }
 
     /// Reports how many points were left out of the last frame.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use pellucid_engine::Result;
 use pellucid_engine::methods::Stop;
 use pellucid_io::output::{self, Output};
+use pellucid_session::area::Against;
 use pellucid_session::choice::Wish;
 use pellucid_session::{FrameRequest, Request};
 
@@ -16,7 +17,7 @@ use super::films::Films;
 use super::frames::{Naming, Pattern};
 use super::limit::usage;
 use super::options::refuse;
-use super::render::RenderArgs;
+use super::render::{ChoiceArgs, RenderArgs};
 
 /// Pictures to render, and what becomes of them.
 pub struct RenderJob {
@@ -39,11 +40,14 @@ impl RenderJob {
         let along = args.along.course(args.frames.flatten(), &args.input, console)?;
         let mut request = args.input.request(along.as_ref().and_then(Along::size), progress)?;
         let is_png = is_png(&target.first());
-        let wish = Wish { max_error: args.choice.max_error, budget_ms: args.choice.budget };
-        if args.choice.recalibrate && !wish.is_any() {
-            console.warn("--recalibrate has no effect without --max-error or --budget");
+        let ChoiceArgs { max_error, budget, against, recalibrate } = args.choice;
+        let wish = Wish { max_error, budget_ms: budget, against };
+        for (is_given, option) in [(recalibrate, "--recalibrate"), (against != Against::Center, "--against")] {
+            if is_given && !wish.is_any() {
+                console.warn(format_args!("{option} has no effect without --max-error or --budget"));
+            }
         }
-        (request.choice.wish, request.choice.recalibrate) = (wish, args.choice.recalibrate);
+        (request.choice.wish, request.choice.recalibrate) = (wish, recalibrate);
         request.wanted.legend = args.legend.is_some() && is_png;
         request.frame.memory_budget = args.device.budget();
         // Samples of a deep image are all of them, and count themselves.
@@ -95,7 +99,7 @@ impl Target {
             }
             (Some(option), _) if args.choice.is_given() => {
                 return Err(usage(format!(
-                    "--max-error, --budget and --recalibrate choose for one picture, but {option} makes many; choose for one of \
+                    "--max-error, --budget, --against and --recalibrate choose for one picture, but {option} makes many; choose for one of \
                      them and give its --method and settings"
                 )));
             }
@@ -172,7 +176,7 @@ impl Target {
             (!matches!(self, Self::One(_)), "--deep writes one picture; --frames, --path and --turntable make several"),
             (
                 args.choice.is_given(),
-                "--deep can't be combined with --max-error, --budget and --recalibrate; give --method and its settings instead",
+                "--deep can't be combined with --max-error, --budget, --against and --recalibrate; give --method and its settings instead",
             ),
             (args.measure.is_asked(), "--deep can't be combined with --profile and --trace; measure without --deep"),
         ])

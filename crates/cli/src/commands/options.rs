@@ -10,6 +10,7 @@ use pellucid_core::progress::Phase;
 use pellucid_engine::Result;
 use pellucid_gpu::{Device, DeviceOptions};
 use pellucid_io::output::{self, Output};
+use pellucid_session::area::Against;
 use serde_json::Value;
 
 use super::bar::Bar;
@@ -102,6 +103,9 @@ pub fn refuse<const N: usize>(problems: [(bool, impl Into<String>); N]) -> Resul
 pub fn number(fits: fn(&f64) -> bool, expected: &'static str) -> impl TypedValueParser<Value = f64> {
     move |text: &str| text.parse().ok().filter(fits).ok_or(expected)
 }
+
+/// Words for the picture that errors are measured against.
+pub const AGAINST: &[(&str, Against)] = &[("center", Against::Center), ("area", Against::Area)];
 
 /// Parses one of some words as the value that it stands for.
 pub fn one_of<T: Copy + Send + Sync + 'static>(

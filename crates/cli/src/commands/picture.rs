@@ -96,6 +96,10 @@ fn picture(
     write(job, &session, &mut rendered, options, output, progress)?;
     profile.add(&rendered);
     session.add_phases(profile);
+    // A picture of a series is one of many, and its error is that of the others.
+    if step.is_none() && (session.choice.is_some() || progress.console.is_verbose()) {
+        session.describe_sampling(progress)?;
+    }
     Ok(session.settled)
 }
 

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use clap::builder::TypedValueParser;
+use pellucid_session::area::Against;
 
 use super::Error;
 use super::along::PathArgs;
@@ -14,7 +15,7 @@ use super::films::FilmArgs;
 use super::headings::{FRAMES, METHOD, OUTPUT};
 use super::input::InputArgs;
 use super::job::{RenderJob, Target};
-use super::options::{DeviceArgs, MeasureArgs, number};
+use super::options::{AGAINST, DeviceArgs, MeasureArgs, number, one_of};
 use super::touched::{Touched, Touches};
 use super::{measured, picture, sequence};
 use crate::legend::LegendPlace;
@@ -99,7 +100,7 @@ pub struct RenderArgs {
 const MOST_FRAMES: u32 = 100_000;
 
 /// The method by what it must keep to.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Copy, Args)]
 pub struct ChoiceArgs {
     /// Take the fastest method and settings with an RMSE of at most E on this image.
     ///
@@ -114,6 +115,13 @@ pub struct ChoiceArgs {
     /// enough, the fastest is taken. --max-error has priority; a warning tells if the time is then exceeded.
     #[arg(long, value_name = "MS", value_parser = not_negative(), help_heading = METHOD)]
     pub budget: Option<f64>,
+    /// With --max-error or --budget: the picture that errors are measured against, center or area.
+    ///
+    /// center: the exact picture with the scene's samples, by default the center of each pixel. area: the exact picture
+    /// with 64 samples of each pixel's area. The choice is then one of a method, its settings and 1 to 32 samples, in
+    /// place of --samples, and its error counts both what the method and what the samples leave.
+    #[arg(long, value_name = "PICTURE", default_value = "center", value_parser = one_of(AGAINST), help_heading = METHOD)]
+    pub against: Against,
     /// With --max-error or --budget: repeat measurements already known for this scene and device.
     #[arg(long, help_heading = METHOD)]
     pub recalibrate: bool,
@@ -136,7 +144,7 @@ fn not_negative() -> impl TypedValueParser<Value = f64> {
 impl ChoiceArgs {
     /// True if the method is chosen by what it must keep to.
     pub fn is_given(&self) -> bool {
-        self.max_error.is_some() || self.budget.is_some() || self.recalibrate
+        self.max_error.is_some() || self.budget.is_some() || self.recalibrate || self.against != Against::Center
     }
 }
 

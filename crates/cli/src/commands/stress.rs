@@ -24,6 +24,9 @@ softness. Cells beyond a limit are skipped and listed with the reason.
 Errors: Each method is compared with the exact picture in float64. An exact one must be within its roundings, and a stochastic one \
 within its own standard errors: otherwise a warning says so. The error of an approximation is stated.
 
+Pixel area: A line, and `areas` in stress.json, has the error of looking at the center of each pixel in place of its area: the exact \
+picture with 1 sample against itself with 64, or with 16 where 64 would take more than a tenth of --max-seconds.
+
 Methods of points that form surfaces (peel-layers, spbr, spbr-simplified), one-layer, and opaque methods are not among them: what they \
 draw does not consist of these layers.
 
@@ -68,7 +71,7 @@ pub struct StressArgs {
     device: DeviceArgs,
     /// Print the contents of stress.json instead of the summary.
     ///
-    /// Its keys: version, pellucid, command, device, settings, cells, slopes, skipped.
+    /// Its keys: version, pellucid, command, device, settings, cells, slopes, skipped, areas.
     #[arg(long)]
     json: bool,
 }
@@ -161,6 +164,7 @@ fn summary(sweep: &Sweep, folder: &Path) -> String {
     let slope = |cell: &Cell| Slope::of(&slopes, cell);
     let hundredths = |value: f64| format!("{value:.2}");
     let exponent = |slope: &Slope| hundredths(slope.law.exponent);
+    let area = sweep.area_text().map_or_else(String::new, |text| format!("{text}\n"));
     let table = ReportTable::new(sweep.deepest())
         .text("scene", |cell| cell.workload.name())
         .text("pixels", |cell| format!("{0} × {0}", cell.side))
@@ -174,7 +178,7 @@ fn summary(sweep: &Sweep, folder: &Path) -> String {
         .text("expected", stress::expected);
     format!(
         "{}\n\nEach line: the deepest cell measured, the slope of time over layers (log-log), - with fewer than three cells, and the\n\
-         error against the exact picture, with what is expected of exact and stochastic methods.\n\
+         error against the exact picture, with what is expected of exact and stochastic methods.\n{area}\
          {} cells measured, {} skipped; reasons and all figures: {}\n",
         table.terminal(),
         sweep.cells.len(),

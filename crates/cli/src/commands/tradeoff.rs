@@ -13,7 +13,7 @@ use pellucid_engine::methods::{Factors, Frame};
 use pellucid_io::output::{self, Output};
 use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::popping;
-use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options, Shaded, ShadedStep, Skipped, Tradeoff};
+use pellucid_lab::report::tradeoff::{self, Against, MeasuredScene, Options, Shaded, ShadedStep, Skipped, Tradeoff};
 use pellucid_scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session, without_soft_points};
@@ -22,7 +22,7 @@ use super::along::{Along, PathArgs};
 use super::console::Console;
 use super::input::InputArgs;
 use super::limit::usage;
-use super::options::{self, DeviceArgs};
+use super::options::{self, AGAINST, DeviceArgs, one_of};
 use super::stress::seconds;
 use super::touched::{Touched, Touches};
 use super::typed::command;
@@ -41,6 +41,10 @@ the paper's claims about the three with the measurements.
 Gaussian splats: A table \"by cause\" gives the cost of each approximation alone: abuffer with another order, kernel, cut, cap, \
 dilation, antialias or degree of harmonics, against the exact image of the scene's own kernel and order. It takes at most a fifth of \
 --time. --only skips it unless it names abuffer.
+
+Pixel area: Of every scene but opaque points, the table \"by cause\" also has the exact picture with 1, 4 and 16 samples of \
+a pixel's area (`pixel area`) against itself with 64, or with 16 where 64 would take more than a tenth of --time, and its time as a \
+multiple of that of one sample. A line of every report gives the first of these errors, that of the scene's own samples.
 
 Opaque methods: If the scene's method draws opaque points (points, squares, circles, paraboloid, cone, sphere, hqs, splats, \
 image-space), all of these are compared, with sizes from 0 to 4 and 0 to 8 iterations of the filters. Each is run on all points, \
@@ -63,7 +67,7 @@ is that of device time and RMSE.
 Interrupted runs: DIR/tradeoff.partial.json keeps the measurements. The same command continues from there, also with another \
 --quick, --only or --time.
 
-Output: report.html (self-contained), tradeoff.csv, tradeoff.json; causes.csv for Gaussians; popping.csv for a path; the figures as .svg; \
+Output: report.html (self-contained), tradeoff.csv, tradeoff.json; causes.csv, but for opaque points; popping.csv for a path; the figures as .svg; \
 the pictures, and their differences from reference.png (10 times as bright), as .png.";
 
 /// Refusal of clouds that stay in their files.
@@ -97,6 +101,13 @@ pub struct TradeoffArgs {
     /// rest of it; the prediction comes from cheaper settings of the same method.
     #[arg(long, value_name = "SECONDS", value_parser = seconds())]
     time: Option<f64>,
+    /// The picture that errors are measured against, center or area.
+    ///
+    /// center: the exact picture with the scene's samples, by default the center of each pixel. area: the exact picture
+    /// with 64 samples of each pixel's area, or 16 if 64 take more than a tenth of --time. Each setting is then measured
+    /// with 1, 4 and 16 samples: what its error costs, whether it comes from the method or from the samples.
+    #[arg(long, value_name = "PICTURE", default_value = "center", value_parser = one_of(AGAINST))]
+    against: Against,
     #[command(flatten)]
     along: PathArgs,
     /// Number of frames for --path or --turntable.
@@ -219,6 +230,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let subject = MeasuredScene { arranged, frame, background, scene, cameras: &cameras };
     progress.counted("tradeoff", 1);
     let options = Options::new(args.quick, begin, args.only.clone(), args.time, command());
+    let options = Options { against: args.against, ..options };
     let report = tradeoff::run(&device, &subject, &options, &args.output, &progress)?;
     progress.stage("writing the report");
     tradeoff::write(&args.output, &report)?;
@@ -264,6 +276,7 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
     if report.surveyed.is_some() {
         table = table.number("holes", |share| format!("{:.3}%", 100.0 * share), |row| row.holes);
     }
+    let area = report.area.as_ref().map_or_else(String::new, |area| format!("{}\n", area.text()));
     let holds = |holds| match holds {
         Some(true) => "holds here: ",
         Some(false) => "does not hold here: ",
@@ -285,7 +298,7 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
         findings += &format!("{}{}", if findings.is_empty() { "" } else { "\n" }, popping::popping_table(found));
     }
     format!(
-        "{}\n\n{}* on the Pareto front: no other setting is at least as fast and as accurate, and better in one of the two.\n\
+        "{}\n\n{}{area}* on the Pareto front: no other setting is at least as fast and as accurate, and better in one of the two.\n\
          {} settings measured, {} skipped; reasons and all figures: {}\n",
         table.terminal(),
         if findings.is_empty() { findings } else { format!("{findings}\n") },

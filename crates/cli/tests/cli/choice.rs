@@ -172,3 +172,59 @@ fn wishes_that_are_no_numbers_are_refused() {
         }
     }
 }
+
+#[test]
+fn against_the_area_the_error_of_the_samples_counts() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "volume", &["layers=3", "points=400"]);
+    render(&folder, &scene, "area.exr", &["--method", "abuffer", "--samples", "64"]);
+    render(&folder, &scene, "four.exr", &["--method", "abuffer", "--samples", "4"]);
+    render(&folder, &scene, "one.exr", &["--method", "abuffer"]);
+    let [four, one] = ["four.exr", "one.exr"].map(|name| error(&folder, "area.exr", name));
+    assert!(four < 0.7 * one, "{four} and {one}");
+    // Between the two: one sample is too few, four are enough.
+    let most = format!("{}", 1.01 * four);
+    let asked = ["--against", "area", "--max-error", &most];
+    let said = render(&folder, &scene, "chosen.exr", &asked);
+    assert!(is_new(&said) && said.contains("image.samples=") && said.contains("pixel area: "), "{said}");
+    let chosen = choice(&folder, "chosen.exr");
+    let rmse = error(&folder, "area.exr", "chosen.exr");
+    assert!(rmse <= 1.01 * four && (chosen["rmse"].as_f64().unwrap() - rmse).abs() <= 1e-9, "{rmse} for {chosen}");
+    let samples = chosen["samples"].as_u64().unwrap();
+    assert!((2..=4).contains(&samples) && chosen["against"] == "area", "{chosen}");
+    // Rendered again as the choice says.
+    let sets: Vec<&str> =
+        chosen["setting"].as_str().unwrap().split_whitespace().flat_map(|set| ["--set", set]).collect();
+    render(&folder, &scene, "again.exr", &[&["--method", chosen["method"].as_str().unwrap()][..], &sets].concat());
+    assert_eq!(error(&folder, "chosen.exr", "again.exr"), 0.0);
+    // The same again measures nothing; against the center nothing of it counts.
+    assert!(!is_new(&render(&folder, &scene, "same.exr", &asked)));
+    let center = render(&folder, &scene, "center.exr", &["--max-error", &most]);
+    assert!(is_new(&center) && !center.contains("image.samples"), "{center}");
+    let metadata = choice(&folder, "center.exr");
+    assert!(metadata["samples"].is_null() && metadata["against"].is_null(), "{metadata}");
+    assert!(!is_new(&render(&folder, &scene, "same.exr", &asked)));
+    // Nothing but the reference itself has no error: the least one found is said.
+    let said = render(&folder, &scene, "least.exr", &["--against", "area", "--max-error", "0"]);
+    assert!(said.contains("no setting has an RMSE of at most 0; the most accurate one is used"), "{said}");
+    let least = choice(&folder, "least.exr");
+    assert_eq!(least["samples"], 32, "{least}");
+    assert!(error(&folder, "area.exr", "least.exr") < four);
+}
+
+#[test]
+fn the_picture_to_measure_against_is_center_or_area_and_needs_a_limit() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "volume", &["layers=3", "points=400"]);
+    assert_refused(&folder, &["render", &scene, "--against", "edge", "--max-error", "0.1"], 2, &["center, area"]);
+    let said = render(&folder, &scene, "plain.exr", &["--against", "area"]);
+    assert!(said.contains("--against has no effect without --max-error or --budget"), "{said}");
+    let said = render(&folder, &scene, "four.exr", &["--method", "abuffer", "--samples", "4"]);
+    assert!(said.contains("pixel area: abuffer with 4 samples in a pixel has RMSE"), "{said}");
+}

@@ -76,6 +76,8 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
     let methods = "--method=abuffer,linked-list,sorted,peel";
     let args =
         ["stress", "--quick", methods, "--max-fragments", "300000", "--frames", "2", "-o", "new/sweep", "--json"];
+    // Time for the pixel area on a busy machine, too.
+    let args = [&args[..], &["--max-seconds", "100"]].concat();
     let printed: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
     let mut files: Vec<_> =
         fs::read_dir(inside(&folder, "new/sweep")).unwrap().map(|e| e.unwrap().file_name()).collect();
@@ -99,6 +101,12 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
     let slopes = printed["slopes"].as_array().unwrap();
     assert!(slopes.len() == EXACT * 2 && slopes.iter().all(|slope| slope["side"] == 64 && slope["exponent"].is_f64()));
 
+    // A disc over the whole image has no edge in it.
+    let areas = printed["areas"].as_array().unwrap();
+    let stack: Vec<_> = areas.iter().filter(|area| area["workload"] == "stack").collect();
+    assert!(!stack.is_empty() && stack.iter().all(|area| number(area, "rmse") < 1e-6), "{areas:?}");
+    assert!(areas.iter().any(|area| area["workload"] == "mosaic" && number(area, "rmse") > 1e-3), "{areas:?}");
+
     assert_csv(&read(&folder, "new/sweep/stress.csv"), &printed);
     let page = read(&folder, "new/sweep/report.html");
     for part in ["src=", "href=", "<link", "<script", "@import", "url("] {
@@ -106,7 +114,9 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
     }
     assert_eq!(page.matches("<svg").count(), 4);
     let device = printed["device"]["name"].as_str().unwrap();
-    for part in [device, "--max-fragments 300000", "4194304 fragments, more than the limit", "abuffer/store"] {
+    for part in
+        [device, "pixel area: ", "--max-fragments 300000", "4194304 fragments, more than the limit", "abuffer/store"]
+    {
         assert!(page.contains(part), "{part} in the page");
     }
 }

@@ -440,3 +440,93 @@ fn wrong_requests_are_refused_before_any_work() {
     let other = ["tradeoff", &scene, "-q", "-o", "new", "--method", "one-layer"];
     assert_refused(&folder, &other, 2, &["no other method draws the same image as one-layer", "--method circles"]);
 }
+
+/// The exact picture with so many samples in a pixel, and its RMSE against the one with 64.
+fn sampled(folder: &TempDir, scene: &str, samples: &str) -> f64 {
+    let flat = ["--set", "method.shape=flat", "--set", "method.falloff=flat", "--method", "abuffer"];
+    let picture = |count: &str| {
+        let name = format!("of-{count}.exr");
+        done(
+            folder,
+            &[&["render", scene, "-q", "--size", "48x32", "-o", &name, "--samples", count], &flat[..]].concat(),
+        );
+        pellucid_io::output::read_image(&inside(folder, &name)).unwrap()
+    };
+    pellucid_core::metrics::rmse(&picture("64").pixels, &picture(samples).pixels)
+}
+
+#[test]
+fn the_pixel_area_is_a_cause_with_the_error_of_few_samples() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = tori(&folder);
+    let only = ["--only", "abuffer", "--only", "weighted", "-q"];
+    let report: Value = serde_json::from_str(&done(&folder, &[&args(&scene)[..], &only].concat())).unwrap();
+    assert_eq!((&report["against"], &report["reference"]["samples"]), (&"center".into(), &1.into()));
+    let causes = report["causes"].as_array().unwrap();
+    let key = |cause: &Value| ["cause", "setting", "against"].map(|key| text(cause, key).to_owned());
+    let expected =
+        ["1", "4", "16"].map(|n| ["pixel area".into(), format!("image.samples={n}"), "image.samples=64".into()]);
+    assert_eq!(causes.iter().map(key).collect::<Vec<_>>(), expected);
+    let mut last = f64::INFINITY;
+    for (cause, samples) in causes.iter().zip(["1", "4", "16"]) {
+        let rmse = sampled(&folder, &scene, samples);
+        assert!((number(cause, "rmse") - rmse).abs() < 1e-9 && rmse > 1e-3 && rmse < last, "{cause} for {rmse}");
+        assert!(inside(&folder, &format!("report/{}", text(cause, "difference"))).is_file());
+        last = rmse;
+    }
+    assert_eq!(number(&causes[0], "times"), 1.0);
+    let area = &report["area"];
+    assert_eq!((text(area, "method"), number(area, "samples"), number(area, "against")), ("abuffer", 1.0, 64.0));
+    assert_eq!(area["rmse"], causes[0]["rmse"]);
+    let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
+    let line = "pixel area: abuffer with 1 sample in a pixel has RMSE";
+    assert!(page.contains(line) && page.contains("Error by cause"));
+    let csv = fs::read_to_string(inside(&folder, "report/causes.csv")).unwrap();
+    assert_eq!(csv.lines().filter(|line| line.starts_with("pixel area,image.samples=")).count(), 3, "{csv}");
+
+    // The scene's own samples are a row, and the line is theirs. Without the exact method there is only the line.
+    let own = ["--only", "weighted", "--samples", "2", "-q"];
+    let quiet: Vec<&str> = args(&scene).into_iter().filter(|arg| *arg != "--json").collect();
+    let told = done(&folder, &[&quiet[..], &own].concat());
+    assert!(told.contains("pixel area: abuffer with 2 samples in a pixel has RMSE"), "{told}");
+    assert!(!told.contains("image.samples"), "{told}");
+}
+
+#[test]
+fn against_the_area_every_method_has_samples_and_none_is_exact() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = tori(&folder);
+    let only = ["--against", "area", "--only", "abuffer", "--only", "weighted", "--only", "peel", "-q"];
+    let report: Value = serde_json::from_str(&done(&folder, &[&args(&scene)[..], &only].concat())).unwrap();
+    assert_eq!((&report["against"], &report["reference"]["samples"]), (&"area".into(), &64.into()));
+    let reference = &report["reference"];
+    assert!(
+        text(reference, "method").starts_with("abuffer with 64 samples") && number(reference, "largest_error") < 1e-5
+    );
+    assert_eq!(reference["checked_pixels"], 256);
+    let rows = report["rows"].as_array().unwrap();
+    assert_front(rows);
+    let row = |method: &str, setting: &str| {
+        let found = rows.iter().find(|row| (text(row, "method"), text(row, "setting")) == (method, setting));
+        found.unwrap_or_else(|| panic!("{method} {setting} in {rows:#?}"))
+    };
+    let error = |method: &str, setting: &str| number(&row(method, setting)["errors"], "rmse");
+    for samples in ["1", "4", "16"] {
+        let setting = format!("image.samples={samples}");
+        let rmse = sampled(&folder, &scene, samples);
+        assert!((error("abuffer", &setting) - rmse).abs() < 1e-9, "{samples}: {rmse}");
+        // All layers are the exact picture too, and one layer leaves something out.
+        assert!((error("peel", &setting) - rmse).abs() < 1e-6);
+        assert!(error("peel", &format!("method.layers=1 {setting}")) > rmse);
+        assert!(error("weighted", &setting) > 1e-3);
+        assert_eq!(row("abuffer", &setting)["step"][0], "image.samples");
+    }
+    let causes = report["causes"].as_array().unwrap();
+    assert_eq!(causes[0]["rmse"], row("abuffer", "image.samples=1")["errors"]["rmse"]);
+}

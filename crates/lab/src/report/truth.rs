@@ -14,6 +14,7 @@ use pellucid_reference::abuffer::{Composite, composite, lists_at};
 use pellucid_reference::shading::shade;
 use pellucid_reference::soft::{Behind, Model, Scene};
 use pellucid_scene::{Density, Method, Soft, SoftMethod};
+use pellucid_session::area;
 use pellucid_session::choice::image_of;
 
 /// Pixels that are compared with the reference; of a smaller image all.
@@ -28,7 +29,12 @@ const FEWEST: usize = 4;
 pub(super) struct Truth {
     /// Row by row, ascending.
     pixels: Vec<usize>,
-    values: Vec<Composite>,
+    /// Premultiplied R, G, B and A.
+    values: Vec<[f64; 4]>,
+}
+
+fn pixel(composite: &Composite) -> [f64; 4] {
+    composite.color.extend(composite.alpha).to_array()
 }
 
 /// Some pixels of an image, row by row.
@@ -45,8 +51,11 @@ impl Truth {
         let pixels = sample(frame, SAMPLE, seed);
         let colors = shade(points, &frame.camera, &frame.shading, frame.color);
         let discs = frame.method.discs().copied().unwrap_or_default();
-        let lists = lists_at(View::new(&frame.camera, frame.size), points, &discs, &pixels);
-        Self { pixels, values: lists.iter().map(|list| composite(list, &colors)).collect() }
+        let values = area::mean(frame, |image| {
+            let lists = lists_at(View::new(&image.camera, image.size), points, &discs, &pixels);
+            lists.iter().map(|list| pixel(&composite(list, &colors))).collect()
+        });
+        Self { pixels, values }
     }
 
     /// The reference for a frame of soft spheres without solid points, about so many of them on each ray.
@@ -57,15 +66,13 @@ impl Truth {
         let view = View::new(&frame.camera, frame.size);
         let scene = Scene { view, points, colors: &colors, model: Model::new(method, points) };
         let found = scene.render_at(&pixels, |_| Behind::NOTHING);
-        let values = found.iter().map(|p| Composite { color: p.color, alpha: p.alpha, depth: p.depth }).collect();
-        Self { pixels, values }
+        Self { pixels, values: found.iter().map(|p| p.color.extend(p.alpha).to_array()).collect() }
     }
 
     /// The error of an image against it. `roundings` stand beside the standard errors, which may be 0.
     pub fn deviation(&self, image: &Image, roundings: f64) -> Deviation {
         let (mut max, mut squares) = (0f64, 0f64);
         for (pixel, truth) in self.pixels.iter().zip(&self.values) {
-            let truth = truth.color.extend(truth.alpha).to_array();
             for (channel, (value, truth)) in image.rgba[*pixel].iter().zip(truth).enumerate() {
                 // NaN must not pass as no difference.
                 let difference =
@@ -93,21 +100,32 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
     let model = Model::new(method, points);
     let solids = solids(device, points, &model.soft, frame)?;
     let colors = shade(points, &frame.camera, &frame.shading, frame.color);
-    let scene = Scene { view: View::new(&frame.camera, frame.size), points, colors: &colors, model };
-    let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
+    let picture = area::mean_picture(frame, |image| {
+        let solids = match image.only {
+            Some(index) => solids.get(index as usize),
+            None => solids.first(),
+        };
+        let scene = Scene { view: View::new(&image.camera, image.size), points, colors: &colors, model };
+        scene.render(|pixel| solids.map_or(Behind::NOTHING, |image| behind(image, pixel)))
+    });
     Ok(Some(image_of(&picture)))
 }
 
-/// The picture of the solid points alone, as the device shows it behind soft points of zero density; `None` without
-/// solid points.
-fn solids(device: &Device, points: &Points, soft: &Soft, frame: &Frame) -> Result<Option<Image>, Error> {
+/// The pictures of the solid points alone, one for each image of the frame, as the device shows them behind soft points
+/// of zero density; none without solid points.
+fn solids(device: &Device, points: &Points, soft: &Soft, frame: &Frame) -> Result<Vec<Image>, Error> {
     if points.fields.iter().all(|field| *field > soft.threshold) && !points.fields.is_empty() {
-        return Ok(None);
+        return Ok(Vec::new());
     }
     let method = Method::SoftBase(Soft { threshold: soft.threshold, density: Density::Lambda(0.0), ..Soft::default() });
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(points)?;
-    Ok(Some(renderer.render(&mut cloud, &Frame { method, ..*frame })?.image))
+    let frame = Frame { method, ..*frame };
+    let images = match frame.samples {
+        1 => vec![frame],
+        count => (0..count).map(|index| frame.image(index)).collect(),
+    };
+    images.iter().map(|image| Ok(renderer.render(&mut cloud, image)?.image)).collect()
 }
 
 fn behind(image: &Image, pixel: usize) -> Behind {
@@ -121,8 +139,7 @@ mod tests {
 
     #[test]
     fn a_wrong_pixel_shows_and_so_does_none_at_all() {
-        let white = Composite { color: glam::DVec3::ONE, alpha: 1.0, depth: 1.0 };
-        let truth = Truth { pixels: vec![0, 3], values: vec![white, white] };
+        let truth = Truth { pixels: vec![0, 3], values: vec![[1.0; 4]; 2] };
         let image = |rgba: [f32; 4]| Image {
             width: 4,
             height: 1,

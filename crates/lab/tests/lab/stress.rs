@@ -116,6 +116,46 @@ fn assert_noise(cell: &Cell) {
     assert!(ratio >= least, "{cell:?}");
 }
 
+/// RMSE of R, G and B between the exact picture of a scene and the mean of so many, each moved by a fraction of a pixel,
+/// in float64.
+fn sampling_error(cell: &Cell, samples: u32) -> f64 {
+    let (points, camera) = layers(cell, false);
+    let frame = Frame { samples, ..Frame::new(camera, [SIDE; 2], Method::ABuffer(Discs::default())) };
+    let colors = shade(&points, &camera, &frame.shading, frame.color);
+    let picture =
+        |frame: &Frame| abuffer::render(View::new(&frame.camera, [SIDE; 2]), &points, &colors, &Discs::default());
+    let mut mean = picture(&frame);
+    let images: Vec<ReferencePicture> = (0..samples).map(|index| picture(&frame.image(index))).collect();
+    for (at, pixel) in mean.rgba.iter_mut().enumerate() {
+        let sum = |channel: usize| images.iter().map(|image| image.rgba[at][channel]).sum::<f64>();
+        *pixel = std::array::from_fn(|channel| sum(channel) / f64::from(samples));
+    }
+    apart(&[picture(&frame), mean]).1
+}
+
+#[test]
+fn layers_without_edges_have_no_sampling_error_and_tiles_have_that_of_their_rims() {
+    with_device(|device| {
+        let sweep = sweep(device);
+        let areas = sweep.areas.iter().filter(|area| area.error.method == "abuffer");
+        let mut seen = 0;
+        for area in areas {
+            let cell = sweep
+                .cells
+                .iter()
+                .find(|cell| (cell.workload, cell.layers, cell.method) == (area.workload, area.layers, "abuffer"));
+            let expected = sampling_error(cell.unwrap(), area.error.against);
+            assert!((area.error.rmse - expected).abs() < 1e-5, "{area:?} for {expected}");
+            match area.workload {
+                Workload::Stack => assert!(area.error.rmse < 1e-6, "{area:?}"),
+                Workload::Mosaic => assert!(area.error.rmse > 1e-3, "{area:?}"),
+            }
+            seen += 1;
+        }
+        assert_eq!(seen, Workload::ALL.len() * LAYERS.len());
+    });
+}
+
 #[test]
 fn a_wrong_picture_does_not_hold() {
     with_device(|device| {

@@ -168,13 +168,15 @@ pub struct Setting {
     pub thinning: u32,
     /// Level of detail: leaves points out by how fine they are.
     pub detail: scene::Detail,
+    /// Samples of a pixel's area; `None` for those of the scene.
+    pub samples: Option<u32>,
 }
 
 impl Setting {
     pub(super) fn single(method: Method, text: &str) -> Self {
         let series = format!("{} {text}", method.name());
         let detail = scene::Detail::default();
-        Self { method, text: text.to_owned(), step: None, series, effort: None, thinning: 1, detail }
+        Self { method, text: text.to_owned(), step: None, series, effort: None, thinning: 1, detail, samples: None }
     }
 
     /// The varied key may stand for several keys, as in `fill+occlusion`.
@@ -215,6 +217,24 @@ impl Setting {
         self.key().replace("method.", "").replace([' ', '=', '_'], "-")
     }
 
+    /// The setting with so many samples of a pixel's area. They are the ladder of a setting that is alone in its series;
+    /// others climb theirs with each number of them.
+    fn sampled(&self, samples: u32, is_alone: bool) -> Self {
+        let text = format!("{} {SAMPLES}={samples}", self.text).trim_start().to_owned();
+        let count = f64::from(samples);
+        let own = Self { text, samples: Some(samples), ..self.clone() };
+        if is_alone {
+            return Self { step: Some((SAMPLES, count)), effort: Some(count), ..own };
+        }
+        let effort = self.effort.map(|effort| count * effort);
+        Self { series: format!("{} {SAMPLES}={samples}", self.series), effort, ..own }
+    }
+
+    /// True if another setting differs in its samples of a pixel's area alone.
+    pub fn is_like(&self, other: &Self) -> bool {
+        (self.method, self.detail, self.thinning) == (other.method, other.detail, other.thinning)
+    }
+
     /// True if the image depends on the seed.
     pub fn is_stochastic(&self) -> bool {
         self.method.is_sampled()
@@ -236,6 +256,19 @@ impl Setting {
     pub fn too_slow(&self, reason: String) -> Skipped {
         Skipped { for_time: true, ..self.skipped(reason) }
     }
+}
+
+/// Key of a pixel's samples.
+const SAMPLES: &str = "image.samples";
+
+/// Returns each setting with each of these numbers of samples of a pixel's area.
+pub fn with_samples(settings: &[Setting], counts: &[u32]) -> Vec<Setting> {
+    let in_series = |setting: &Setting| settings.iter().filter(|other| other.series == setting.series).count();
+    let all = settings.iter().flat_map(|setting| {
+        let is_alone = setting.step.is_none() && in_series(setting) == 1;
+        counts.iter().map(move |count| setting.sampled(*count, is_alone))
+    });
+    all.collect()
 }
 
 /// The image that a method forms, if other methods form it, too. A factor λ is converted to the softness it gives this
@@ -293,6 +326,31 @@ mod tests {
         }
         let (all, _) = settings(&occasion(5000), &Ladders::FULL);
         assert!(all.iter().any(|s| s.stem() == "stochastic-samples-64-alpha-correction-false"), "{all:#?}");
+    }
+
+    #[test]
+    fn samples_are_the_ladder_of_settings_without_one() {
+        let (plain, _) = settings(&occasion(5), &Ladders::QUICK);
+        let all = with_samples(&plain, &[1, 4]);
+        assert_eq!(all.len(), 2 * plain.len());
+        let of = |key: &str| all.iter().find(|setting| setting.key() == key).unwrap_or_else(|| panic!("{key}"));
+        let [one, four] = ["weighted image.samples=1", "weighted image.samples=4"].map(of);
+        assert_eq!((one.series == four.series, four.step, four.effort), (true, Some((SAMPLES, 4.0)), Some(4.0)));
+        assert_eq!((one.samples, four.samples, one.is_like(four)), (Some(1), Some(4), true));
+        // Layers stay the ladder of peel, once for each number of samples; the last rung is all layers.
+        let layers: Vec<&Setting> = all.iter().filter(|setting| setting.method.name() == "peel").collect();
+        for count in [1, 4] {
+            let rungs: Vec<&&Setting> = layers.iter().filter(|setting| setting.samples == Some(count)).collect();
+            assert!(rungs.len() > 1 && rungs.iter().all(|rung| rung.series == rungs[0].series), "{rungs:#?}");
+            assert!(rungs.iter().all(|rung| rung.step.is_none_or(|(key, _)| key == "layers")), "{rungs:#?}");
+            // Of one layer as many images as samples.
+            assert_eq!(rungs[0].effort, Some(f64::from(count)));
+        }
+        let mut keys: Vec<String> = all.iter().map(Setting::key).collect();
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), all.len());
+        assert!(plain.iter().all(|setting| setting.samples.is_none()));
     }
 
     #[test]

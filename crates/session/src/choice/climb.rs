@@ -13,7 +13,16 @@ const DOUBT: f64 = 1.3;
 /// The fastest setting with an RMSE of at most `most`; if none exists, the most accurate of those tried.
 pub(super) fn by_error(trials: &mut Trials<'_>, all: &[Setting], most: f64) -> Result<Option<(Setting, Figures)>> {
     let mut best = Best { most, ms: None };
-    for ladder in ladders(all) {
+    let occasion = trials.occasion();
+    let exact: Vec<&Setting> = all.iter().filter(|setting| setting.is_exact(&occasion)).collect();
+    for mut ladder in ladders(all) {
+        if !ladder[0].is_exact(&occasion) {
+            let least = fewest_samples(trials, &exact, most);
+            ladder.retain(|setting| setting.samples.is_none_or(|count| count >= least));
+        }
+        if ladder.is_empty() {
+            continue;
+        }
         if ladder[0].is_stochastic() {
             jump(trials, &ladder, &mut best)?;
         } else {
@@ -30,10 +39,21 @@ pub(super) fn by_error(trials: &mut Trials<'_>, all: &[Setting], most: f64) -> R
     trials.fastest(&found)
 }
 
+/// Returns the fewest samples of a pixel's area with which an exact method is accurate enough, by what was measured:
+/// with fewer the error of an approximation, which has its own beside it, is hardly smaller. With none that is accurate
+/// enough it is more than any number; without exact methods, such as for a choice among settings of one, it is 0.
+fn fewest_samples(trials: &Trials<'_>, exact: &[&Setting], most: f64) -> u32 {
+    let fits = |setting: &&&Setting| trials.figures(setting).is_some_and(|figures| figures.rmse <= most);
+    let fewest = exact.iter().filter(fits).filter_map(|setting| setting.samples).min();
+    fewest.unwrap_or(if exact.is_empty() { 0 } else { u32::MAX })
+}
+
 /// The most accurate setting whose frame takes at most `budget` ms; if none exists, the fastest of those tried.
 pub(super) fn by_time(trials: &mut Trials<'_>, all: &[Setting], budget: f64) -> Result<Option<(Setting, Figures)>> {
     let occasion = trials.occasion();
-    let (exact, others): (Vec<&Setting>, Vec<&Setting>) = all.iter().partition(|setting| setting.is_exact(&occasion));
+    // Against the area no picture of some samples is exact.
+    let is_exact = |setting: &&Setting| setting.is_exact(&occasion) && setting.samples.is_none();
+    let (exact, others): (Vec<&Setting>, Vec<&Setting>) = all.iter().partition(is_exact);
     for setting in &exact {
         // Peeling all layers may take very long; the ladder's steps show how long.
         if setting.effort.is_none() {

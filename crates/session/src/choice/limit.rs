@@ -7,12 +7,17 @@ use pellucid_reference::{ReferencePicture, spbr};
 use pellucid_scene::Method;
 use pellucid_scene::prepare::Arranged;
 
+use crate::area;
+
 /// Returns the limit of the mean over ensembles as their number grows, in float64; `None` for other methods.
 pub fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
     let (Arranged::Dealt(dealt), Method::Spbr(settings)) = (arranged, frame.method) else { return None };
     let colors = shade(&dealt.points, &frame.camera, &frame.shading, frame.color);
-    let view = pellucid_reference::View::new(&frame.camera, frame.size);
-    Some(image_of(&spbr::limit(view, dealt, &colors, &settings.into())))
+    let limit = |image: &Frame| {
+        let view = pellucid_reference::View::new(&image.camera, image.size);
+        spbr::limit(view, dealt, &colors, &settings.into())
+    };
+    Some(image_of(&area::mean_picture(frame, limit)))
 }
 
 /// Returns a picture of the reference as an image, rounded to float32.

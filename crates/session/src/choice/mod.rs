@@ -11,6 +11,10 @@
 //! steps predict the next one to try, and that one is measured, too. **By time**: the fastest exact method if it fits,
 //! else each ladder until a step takes too long. In the end all candidates close to the best take turns with it for a
 //! few more frames.
+//!
+//! **Against the area** of pixels the reference has [`area::MOST`] samples in a pixel, and each setting is tried with
+//! [`area::CHOSEN`]. The exact methods tell how many samples an error takes; fewer are not tried with the others, whose
+//! own errors would come on top.
 
 mod climb;
 mod limit;
@@ -26,7 +30,8 @@ use serde_json::{Value, json};
 
 use crate::messages::Messages;
 
-use crate::candidates::{Ladders, Setting, formation, settings};
+use crate::area::{self, Against};
+use crate::candidates::{Ladders, Setting, formation, settings, with_samples};
 pub use limit::{ensembles, image_of};
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
@@ -51,6 +56,9 @@ pub struct Wish {
     pub max_error: Option<f64>,
     /// The largest allowed device time of a frame, in ms; the most accurate setting within it is chosen.
     pub budget_ms: Option<f64>,
+    /// The picture that errors are measured against. Against the area settings are tried with several numbers of
+    /// samples of a pixel, in place of the scene's own.
+    pub against: Against,
 }
 
 impl Wish {
@@ -91,7 +99,7 @@ pub struct ChoiceFrame<'a> {
 /// Measurements of a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// RMSE against the exact method, on this image.
+    /// RMSE against the exact method, on this image: its picture with the same samples, or with those of the area.
     pub rmse: f64,
     /// Median device time of a frame.
     pub gpu_ms: f64,
@@ -104,6 +112,8 @@ pub struct Choice {
     pub method: Method,
     /// The points that it leaves out; those that the frame leaves out anyway if there are none.
     pub detail: Detail,
+    /// Samples of a pixel's area, where they were chosen as well.
+    pub samples: Option<u32>,
     /// The setting as options of the command line would give it; empty for the defaults.
     pub setting: String,
     /// Measurements of the setting.
@@ -140,14 +150,19 @@ impl Choice {
     /// The wish, the setting and its figures as one JSON object: the image's `pellucid:choice`.
     pub fn json(&self) -> Value {
         let Self { method, setting, figures, wish, .. } = self;
-        json!({
+        let mut json = json!({
             "max_error": wish.max_error,
             "budget_ms": wish.budget_ms,
             "method": method.name(),
             "setting": setting,
             "rmse": figures.rmse,
             "gpu_ms": figures.gpu_ms,
-        })
+        });
+        if let Some(samples) = self.samples {
+            json["against"] = wish.against.word().into();
+            json["samples"] = samples.into();
+        }
+        json
     }
 }
 
@@ -164,12 +179,15 @@ pub fn choose(
     recalibrate: bool,
     progress: &Progress,
 ) -> Result<Choice> {
-    let mut trials = Trials::open(device, cloud, subject, recalibrate, progress)?;
+    let mut trials = Trials::open_against(wish.against, device, cloud, subject, recalibrate, progress)?;
     let occasion = trials.occasion();
     let (mut all, _) = settings(&occasion, &Ladders::FINE);
     // Who asks for a detail has the choice of methods for that.
     all.retain(|setting| setting.detail.is_whole() || subject.frame.detail.is_whole());
     all.retain(|setting| subject.only.is_none_or(|only| only == setting.method.name()));
+    if wish.against == Against::Area {
+        all = with_samples(&all, &area::CHOSEN);
+    }
     // If both limits are given, the error decides.
     let asked =
         format!("{:?} {:?} {:?}", wish.max_error, wish.budget_ms.filter(|_| wish.max_error.is_none()), subject.only);
@@ -185,10 +203,10 @@ pub fn choose(
     let (setting, figures) = found.ok_or_else(|| none(subject.only, trials.refusal.take()))?;
     let warning = unfulfilled(wish, figures, subject.frame.size);
     let best = table::best(trials.rows(&all), wish);
-    let Setting { method, text, detail, .. } = setting;
+    let Setting { method, text, detail, samples, .. } = setting;
     let detail = if detail.is_whole() { subject.frame.detail } else { detail };
     let (known, frames) = (trials.known(), trials.frames);
-    Ok(Choice { method, detail, setting: text, figures, wish, warning, best, known, frames })
+    Ok(Choice { method, detail, samples, setting: text, figures, wish, warning, best, known, frames })
 }
 
 /// Returns the error that says why nothing could be chosen.
@@ -229,8 +247,10 @@ mod tests {
     #[test]
     fn missed_limits_are_reported() {
         let figures = Figures { rmse: 0.01, gpu_ms: 20.0 };
-        let said =
-            |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures, [40, 30]).unwrap_or_default();
+        let said = |max_error, budget_ms| {
+            let wish = Wish { max_error, budget_ms, against: Against::Center };
+            unfulfilled(wish, figures, [40, 30]).unwrap_or_default()
+        };
         assert_eq!(said(Some(0.01), Some(20.0)), "");
         assert!(said(Some(0.001), Some(1.0)).contains("the most accurate one"));
         assert!(said(None, Some(1.0)).contains("the fastest one"));

@@ -73,6 +73,7 @@ pub(super) fn listed(rows: &[MeasuredSetting]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::area::Against;
 
     fn row(name: &str, rmse: f64, gpu_ms: f64) -> MeasuredSetting {
         MeasuredSetting { name: name.into(), figures: Figures { rmse, gpu_ms }, spread: None, busy: false }
@@ -93,10 +94,11 @@ mod tests {
 
     #[test]
     fn the_best_come_first() {
-        assert_eq!(names(Wish { max_error: Some(0.01), budget_ms: None }), "bafcd");
-        assert_eq!(names(Wish { max_error: Some(0.01), budget_ms: Some(1.0) }), "bafcd");
-        assert_eq!(names(Wish { max_error: None, budget_ms: Some(20.0) }), "bcdea");
-        assert_eq!(names(Wish { max_error: None, budget_ms: Some(0.5) }), "decba");
+        let against = Against::Center;
+        assert_eq!(names(Wish { max_error: Some(0.01), budget_ms: None, against }), "bafcd");
+        assert_eq!(names(Wish { max_error: Some(0.01), budget_ms: Some(1.0), against }), "bafcd");
+        assert_eq!(names(Wish { max_error: None, budget_ms: Some(20.0), against }), "bcdea");
+        assert_eq!(names(Wish { max_error: None, budget_ms: Some(0.5), against }), "decba");
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::renderers::Renderers;
 use super::survey::TrialResult;
 use super::table::MeasuredSetting;
 use super::{ChoiceFrame, Figures};
+use crate::area::{self, Against};
 use crate::candidates::{Formation, Occasion, Setting, formation};
 use pellucid_core::image::LinearImage;
 use pellucid_core::metrics;
@@ -103,8 +104,10 @@ pub struct Trials<'a> {
     clouds: Clouds<'a>,
     subject: &'a ChoiceFrame<'a>,
     progress: &'a Progress,
-    /// The reference frame.
+    /// The frame of the exact method.
     frame: Frame,
+    /// Samples of a pixel in the reference.
+    samples: u32,
     formation: Formation,
     key: String,
     known: CachedRecords,
@@ -130,11 +133,27 @@ impl<'a> Trials<'a> {
         recalibrate: bool,
         progress: &'a Progress,
     ) -> Result<Self> {
+        Self::open_against(Against::Center, device, cloud, subject, recalibrate, progress)
+    }
+
+    /// Like [`Self::open`], with errors against this picture.
+    pub(super) fn open_against(
+        against: Against,
+        device: &'a Device,
+        cloud: &'a mut DeviceCloud,
+        subject: &'a ChoiceFrame<'a>,
+        recalibrate: bool,
+        progress: &'a Progress,
+    ) -> Result<Self> {
         let formation = formation(&subject.frame.method, subject.arranged.points())?;
         // Errors are those of every bit, and lists are not counted for the trials.
         let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
+        let (samples, formed) = match against {
+            Against::Center => (frame.samples, format!("{formation:?}")),
+            Against::Area => (area::MOST, format!("{formation:?} against the area")),
+        };
         let key =
-            identity::hash(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
+            identity::hash(subject.arranged, &Frame { samples, ..frame }, subject.background, &formed, device.info());
         let stored = gpu::cache::load(KIND, &key).filter(|_| !recalibrate);
         let known: Option<CachedRecords> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
         let renderer = Renderer::new(device)?;
@@ -145,6 +164,7 @@ impl<'a> Trials<'a> {
             subject,
             progress,
             frame,
+            samples,
             formation,
             key,
             known,
@@ -245,7 +265,7 @@ impl<'a> Trials<'a> {
     /// A frame that pays for buffers and shaders, then so many that are timed, up to one that is much slower than
     /// `best`.
     fn first_frames(&mut self, setting: &Setting, frames: usize, best: Option<f64>) -> Result<Record> {
-        let first = self.render(setting.method, setting.detail)?;
+        let first = self.render(setting.method, setting.detail, setting.samples)?;
         let image = linear(&first.image, self.subject.background, self.frame.color)?;
         self.renderer.recycle(first.image);
         self.reference()?;
@@ -254,7 +274,7 @@ impl<'a> Trials<'a> {
         let peak_device_bytes = first.facts.peak_device_bytes;
         let mut gpu_ms = Vec::new();
         while gpu_ms.len() < frames {
-            let rendered = self.render(setting.method, setting.detail)?;
+            let rendered = self.render(setting.method, setting.detail, setting.samples)?;
             let ms = gpu(&rendered);
             self.renderer.recycle(rendered.image);
             gpu_ms.push(ms);
@@ -266,20 +286,22 @@ impl<'a> Trials<'a> {
     }
 
     /// A frame; of a detail that leaves nothing out with that of the scene.
-    fn render(&mut self, method: Method, detail: Detail) -> Result<Rendered> {
+    fn render(&mut self, method: Method, detail: Detail, samples: Option<u32>) -> Result<Rendered> {
         let (cloud, detail) = self.clouds.of(&self.renderer, self.frame.detail, detail)?;
-        let rendered = self.renderer.render(cloud, &Frame { method, detail, ..self.frame })?;
+        let samples = samples.unwrap_or(self.frame.samples);
+        let rendered = self.renderer.render(cloud, &Frame { method, detail, samples, ..self.frame })?;
         self.frames += 1;
         Ok(rendered)
     }
 
     fn reference(&mut self) -> Result<()> {
         if self.reference.is_none() {
-            if let Some(image) = limit::ensembles(self.subject.arranged, &self.frame) {
+            if let Some(image) = limit::ensembles(self.subject.arranged, &Frame { samples: self.samples, ..self.frame })
+            {
                 self.reference = Some(linear(&image, self.subject.background, self.frame.color)?);
                 return Ok(());
             }
-            let rendered = self.render(self.frame.method, Detail::default())?;
+            let rendered = self.render(self.frame.method, Detail::default(), Some(self.samples))?;
             self.known.max_list = rendered.facts.max_list;
             self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color)?);
         }
@@ -315,7 +337,8 @@ impl<'a> Trials<'a> {
                 let renderer = renderers.for_method(setting.method.name())?;
                 self.frames += 1;
                 let (cloud, detail) = self.clouds.of(renderer, self.frame.detail, setting.detail)?;
-                let frame = Frame { method: setting.method, detail, ..self.frame };
+                let samples = setting.samples.unwrap_or(self.frame.samples);
+                let frame = Frame { method: setting.method, detail, samples, ..self.frame };
                 if !setting.detail.is_whole() {
                     // Which points it has is found once.
                     renderer.render(cloud, &frame)?;

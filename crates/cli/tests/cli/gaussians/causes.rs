@@ -51,6 +51,9 @@ fn errors_of_gaussians_by_cause() {
         "name=hybrid",
         "name=hybrid core_alpha_min=0.05",
         "cloud.*.sh_degree=0",
+        "image.samples=1",
+        "image.samples=4",
+        "image.samples=16",
     ];
     assert_eq!(settings, all);
     // The exact image is itself, and so is that of a core as long as any list. Everything else is not.
@@ -64,7 +67,7 @@ fn errors_of_gaussians_by_cause() {
     let (ends, others): (Vec<_>, Vec<_>) = others.partition(|cause| cause["setting"] == "method.stop=1e-4");
     assert!(others.iter().all(|cause| number(cause, "rmse") > 1e-6 && number(cause, "max") > 1e-4), "{causes:#?}");
     assert!(ends.len() == 1 && number(ends[0], "max") < 0.05, "{ends:?}");
-    assert!(causes.iter().all(|cause| number(cause, "gpu_ms") > 0.0), "{causes:#?}");
+    assert!(causes.iter().all(|cause| number(cause, "gpu_ms") > 0.0 && number(cause, "times") > 0.0), "{causes:#?}");
     // `sorted` orders centers: another way to the same image.
     let sorted = report["rows"].as_array().unwrap().iter().find(|row| row["method"] == "sorted").unwrap();
     let (a, b) = (number(&sorted["errors"], "rmse"), number(cause(&report, "method.order=center", ""), "rmse"));

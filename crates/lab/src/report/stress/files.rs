@@ -105,6 +105,7 @@ impl Report<'_> {
             "cells": sweep.cells.iter().map(MeasuredCell::new).collect::<Vec<_>>(),
             "slopes": sweep.slopes(),
             "skipped": sweep.skipped,
+            "areas": sweep.areas,
         })
     }
 

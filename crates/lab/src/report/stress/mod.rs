@@ -28,6 +28,9 @@ use serde::{Deserialize, Serialize};
 
 use super::fit::{PowerLaw, power_law};
 
+use pellucid_core::metrics::error_text;
+use pellucid_session::area::PixelArea;
+
 pub use entry::{Entry, Expected};
 pub use files::{FILES, Report, write};
 pub use page::expected;
@@ -170,6 +173,20 @@ impl Cell {
     }
 }
 
+/// The sampling error of a scene's exact picture: that of looking at the center of each pixel in place of its area.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Area {
+    /// The scene.
+    pub workload: Workload,
+    /// Width and height of the image in pixels.
+    pub side: u32,
+    /// Fragments in each pixel.
+    pub layers: u32,
+    /// Error and numbers of samples.
+    #[serde(flatten)]
+    pub error: PixelArea,
+}
+
 /// Summary of some measurements of one value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
@@ -258,6 +275,8 @@ pub struct Sweep {
     pub cells: Vec<Cell>,
     /// The others.
     pub skipped: Vec<Skipped>,
+    /// Sampling errors of the exact pictures of scenes, as far as there was time.
+    pub areas: Vec<Area>,
 }
 
 impl Sweep {
@@ -274,6 +293,23 @@ impl Sweep {
             series.last().is_some_and(|last| last.layers == cell.layers)
         };
         self.cells.iter().filter(is_last).collect()
+    }
+
+    /// The largest sampling error of each workload, as one line; none if none was measured.
+    pub fn area_text(&self) -> Option<String> {
+        let largest = |workload: &Workload| {
+            let of_it = self.areas.iter().filter(|area| area.workload == *workload);
+            of_it.max_by(|a, b| a.error.rmse.total_cmp(&b.error.rmse))
+        };
+        let text = |area: &Area| {
+            let Area { workload, side, layers, error } = area;
+            let PixelArea { method, against, rmse, .. } = error;
+            let (name, rmse) = (workload.name(), error_text(*rmse));
+            format!("{name} RMSE {rmse} ({method}, {side} × {side} pixels, {layers} layers, against {against} samples)")
+        };
+        let found: Vec<String> = Workload::ALL.iter().filter_map(largest).map(text).collect();
+        let about = "pixel area: the exact picture with 1 sample in a pixel against itself with more, at most";
+        (!found.is_empty()).then(|| format!("{about}: {}", found.join("; ")))
     }
 
     /// The growth of time in each series that is long enough.
@@ -329,12 +365,26 @@ mod tests {
         let deep = [16.0, 16.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
         cells.extend(deep.iter().enumerate().map(|(i, ms)| cell("deep", 1 << i, *ms)));
         cells.extend([1, 2].map(|layers| cell("short", layers, 5.0)));
-        let sweep = Sweep { cells, skipped: Vec::new() };
+        let sweep = Sweep { cells, ..Sweep::default() };
         let slopes = sweep.slopes();
         let found: Vec<_> = slopes.iter().map(|s| (s.method, s.layers, s.law.exponent)).collect();
         assert!(matches!(found[..], [("flat", [2, 8], _), ("deep", [8, 64], _)]), "{found:?}");
         assert!(found[0].2.abs() < 1e-12 && (found[1].2 - 2.0).abs() < 1e-12, "{found:?}");
         assert_eq!(sweep.deepest().iter().map(|cell| cell.layers).collect::<Vec<_>>(), [8, 64, 2]);
+    }
+
+    #[test]
+    fn the_line_of_the_pixel_area_has_the_largest_error_of_each_scene() {
+        let area = |workload, layers, rmse| {
+            let error = PixelArea { method: "abuffer".to_owned(), samples: 1, against: 64, rmse };
+            Area { workload, side: 8, layers, error }
+        };
+        let areas = [(Workload::Stack, 1, 0.0), (Workload::Mosaic, 1, 0.01), (Workload::Mosaic, 4, 0.25)];
+        let areas = areas.map(|(workload, layers, rmse)| area(workload, layers, rmse)).to_vec();
+        let text = Sweep { areas, ..Sweep::default() }.area_text().unwrap();
+        let [stack, mosaic] = ["stack RMSE 0 (abuffer", "mosaic RMSE 2.50e-1 (abuffer, 8 × 8 pixels, 4 layers"];
+        assert!(text.starts_with("pixel area: ") && text.contains(stack) && text.contains(mosaic), "{text}");
+        assert_eq!(Sweep::default().area_text(), None);
     }
 
     #[test]

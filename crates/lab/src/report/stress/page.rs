@@ -21,6 +21,7 @@ pub(super) fn html(report: &Report<'_>, figures: &[Drawn]) -> String {
             "over layers, both logarithmic, by least squares over the deeper half of the cells, at least three: 1 means in "
             "proportion to the layers, 2 means quadratic."
         }
+        @if let Some(area) = report.sweep.area_text() { p { (area) "." } }
         h2 { "Figures" }
         @for figure in figures { (figure.html("the table of all cells")) }
         h2 { "Time of each pass" }

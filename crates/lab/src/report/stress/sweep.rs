@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
+use glam::Vec3;
 use pellucid_core::progress::Progress;
 
-use super::{Cell, Entry, PassSpread, Settings, Skipped, Spread, Sweep, Workload};
+use super::{Area, Cell, Entry, PassSpread, Settings, Skipped, Spread, Sweep, Workload};
 use crate::report::truth::Truth;
 use crate::report::unique;
 use pellucid_core::camera::Camera;
@@ -13,11 +14,15 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::{self, Frame, FrameProfile, Rendered, Renderer};
 use pellucid_gpu::Device;
 use pellucid_scene::{self as scene, Scene, procedural};
+use pellucid_session::area::{self, Sampling};
 
 /// World units that soft spheres are farther away than discs, which is more than the largest radius.
 const BACK: f64 = 2.0;
 /// A frame that takes less is not predicted from: it shows what a frame costs, not what its fragments do.
 const NOISE_SECONDS: f64 = 0.01;
+
+/// Part of the longest time of a frame that all pictures of several samples in a pixel may take together.
+const AREA_SHARE: f64 = 0.1;
 
 /// Measures every cell within the limits. `progress` counts cells.
 ///
@@ -122,6 +127,15 @@ impl SweepPosition {
             None => Truth::new(&points, &exact, settings.seed),
         };
         sweep.cells.extend(runs.into_iter().map(|run| self.cell(points.len(), run, &truth)));
+        let seconds = AREA_SHARE * settings.max_seconds;
+        match area::sampling(&mut renderer, &mut cloud, &points, (&exact, Vec3::ZERO), seconds) {
+            Ok(Sampling::Known(error)) => {
+                let Self { workload, side, layers } = self;
+                sweep.areas.push(Area { workload, side, layers, error });
+            }
+            Ok(Sampling::TooSlow(_) | Sampling::Nothing) => {}
+            Err(error) => drop(refusal(error)?),
+        }
         Ok(())
     }
 

@@ -25,7 +25,7 @@ const COLUMNS: &str = "
     front picture difference skipped=reason";
 
 /// Columns of `causes.csv`.
-const CAUSES: &str = "cause setting against rmse flip max above_1_255 gpu_ms difference meaning";
+const CAUSES: &str = "cause setting against rmse flip max above_1_255 gpu_ms times difference meaning";
 
 /// Shadows as a record: times are those of their passes, errors are against the same method's image with many samples.
 #[derive(Serialize)]
@@ -66,7 +66,7 @@ pub const FILES: &[&str] = &[
     ".png",
 ];
 
-/// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, along a path `popping.csv`, `tradeoff.json`, the figures
+/// Writes `tradeoff.csv`, `causes.csv` if any were measured, along a path `popping.csv`, `tradeoff.json`, the figures
 /// and, last, `report.html` into the folder of the pictures. No file gets its final name before all are complete.
 ///
 /// # Errors

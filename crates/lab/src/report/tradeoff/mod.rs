@@ -15,6 +15,7 @@ mod repeats;
 mod summary;
 mod surfaces;
 
+pub use pellucid_session::area::{Against, PixelArea};
 pub use pellucid_session::candidates::Skipped;
 use serde::{Deserialize, Serialize};
 
@@ -160,6 +161,9 @@ pub struct Reference {
     pub checked_pixels: usize,
     /// The largest difference found there in R, G, B and A.
     pub largest_error: f64,
+    /// Samples in a pixel.
+    #[serde(default)]
+    pub samples: u32,
 }
 
 /// The image of planes before each other that alpha blending of their opacities gives, α₁C₁ + (1 − α₁)(α₂C₂ + …): one
@@ -264,7 +268,15 @@ pub struct Tradeoff {
     pub surveyed: Option<Surveyed>,
     /// Errors of shadows, only for opaque points lit by an area light.
     pub shaded: Option<Shaded>,
-    /// Errors of each approximation of Gaussian splats by itself, the exact image first; empty for other points.
+    /// The picture that errors are measured against: `center` or `area`.
+    #[serde(default)]
+    pub against: String,
+    /// The sampling error of the exact picture; `None` for opaque points, whose reference has many samples, or where
+    /// no time was left.
+    #[serde(default)]
+    pub area: Option<PixelArea>,
+    /// Errors of each approximation by itself: of Gaussian splats, the exact image first, then of the samples of a
+    /// pixel's area.
     pub causes: Vec<Cause>,
     /// Change of the error from frame to frame, only along a camera path.
     pub popping: Option<Popping>,

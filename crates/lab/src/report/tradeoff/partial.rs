@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::causes::area::AreaErrors;
 use super::{Cause, Reference, Row, Shaded};
 use pellucid_core::atomic::Staged;
 use pellucid_io::output;
@@ -44,6 +45,9 @@ pub(super) struct Content {
     /// Causes of the error of Gaussian splats.
     #[serde(default)]
     pub causes: Vec<Cause>,
+    /// The error of looking at points of pixels.
+    #[serde(default)]
+    pub area: Option<AreaErrors>,
     /// Keyed by [`pellucid_session::candidates::Setting::key`].
     pub settings: BTreeMap<String, SettingResults>,
 }

@@ -7,7 +7,7 @@ use pellucid_lab::report::fit::power_law;
 use pellucid_lab::report::popping::{Candidate, Curve, FrameError, Popping, Refused};
 use pellucid_lab::report::stress::Spread;
 use pellucid_lab::report::tradeoff::{
-    Cause, Convergence, Errors, Finding, Look, Reference, Repeats, Row, Skipped, Tradeoff, Worst,
+    Cause, Convergence, Errors, Finding, Look, PixelArea, Reference, Repeats, Row, Skipped, Tradeoff, Worst,
 };
 use pellucid_scene::{Discs, Method, Stochastic};
 use rand::{RngExt, SeedableRng};
@@ -85,10 +85,13 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
             picture: "reference.png".into(),
             checked_pixels: 4096,
             largest_error: 2.4e-7,
+            samples: 1,
         },
         analytic: None,
         surveyed: None,
         shaded: None,
+        against: "center".into(),
+        area: Some(PixelArea { method: "abuffer".into(), samples: 1, against: 64, rmse: 0.0271 }),
         causes: [("the exact image", "", 0.0), ("order of centers", "method.order=center", 0.0123)].map(cause).to_vec(),
         popping: Some(popping()),
         rows,
@@ -132,6 +135,7 @@ fn cause((cause, setting, rmse): (&str, &str, f64)) -> Cause {
         max: (20.0 * rmse).min(1.0),
         above_1_255: 9.0 * rmse,
         gpu_ms: 51.0,
+        times: Some(1.0),
         difference: "cause-difference.png".into(),
     }
 }

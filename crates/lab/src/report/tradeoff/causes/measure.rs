@@ -74,6 +74,9 @@ pub(in super::super) fn measure(
             Err(error) => return Err(error.into()),
         }
     }
+    // The first one is the exact image again.
+    let exact = measured.first().filter(|cause: &&Cause| cause.setting.is_empty()).map(|cause| cause.gpu_ms);
+    measured.iter_mut().for_each(|cause| cause.times = exact.map(|exact| cause.gpu_ms / exact));
     Ok((measured, skipped))
 }
 
@@ -177,14 +180,20 @@ fn compared(change: &Change, base: &LinearImage, image: &LinearImage, gpu_ms: f6
         max: metrics::largest(base, image).value,
         above_1_255: metrics::share_above(&base.pixels, &image.pixels, metrics::STEP),
         gpu_ms,
-        difference: format!("cause-{}-difference.png", stem(change)),
+        times: None,
+        difference: format!("cause-{}-difference.png", stem(change.cause, &change.setting)),
     }
 }
 
 /// A name for a file, which no other change has.
-fn stem(change: &Change) -> String {
-    let words: Vec<&str> = [change.cause, &change.setting].into_iter().filter(|word| !word.is_empty()).collect();
-    words.join(" ").replace("method.", "").replace("cloud.*.", "").replace([' ', '=', '_', '.'], "-")
+pub(super) fn stem(cause: &str, setting: &str) -> String {
+    let words: Vec<&str> = [cause, setting].into_iter().filter(|word| !word.is_empty()).collect();
+    words
+        .join(" ")
+        .replace("method.", "")
+        .replace("cloud.*.", "")
+        .replace("image.", "")
+        .replace([' ', '=', '_', '.'], "-")
 }
 
 #[cfg(test)]
@@ -215,7 +224,7 @@ mod tests {
     #[test]
     fn pictures_have_names_of_their_own() {
         let all = changes(&Discs::default(), Order::Pixel, 3, &Projection::Perspective { fov_y: 1.0 });
-        let mut names: Vec<String> = all.iter().map(stem).collect();
+        let mut names: Vec<String> = all.iter().map(|change| stem(change.cause, &change.setting)).collect();
         for name in ["order-of-centers-order-center", "harmonics-sh-degree-0"] {
             assert!(names.iter().any(|other| other == name), "{name} of {names:?}");
         }

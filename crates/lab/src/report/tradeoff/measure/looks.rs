@@ -28,7 +28,7 @@ impl TradeoffRun<'_> {
     fn render_unordered(&mut self) -> Result<Option<LinearImage>> {
         let Formation::Discs(discs) = self.occasion.formation else { return Ok(None) };
         let method = Method::Hybrid(Hybrid { discs, k: 1, core_alpha_min: 1.0, ..Hybrid::default() });
-        let frame = Frame { method, ..self.frame };
+        let frame = Frame { method, samples: self.made.samples, ..self.frame };
         let mut renderer = Renderer::new(self.device)?;
         let cloud = self.clouds.on_device(&renderer, 1, &frame.detail)?;
         match renderer.render(cloud, &frame) {

@@ -23,7 +23,7 @@ use pellucid_scene::{Detail, Method};
 pub use self::limit::method_by_method;
 
 use self::limit::Spent;
-use self::reference::ReferenceImage;
+use self::reference::{ReferenceImage, Samples};
 use super::analytic::{self, Planes};
 use super::causes::{self, Effort as CausesEffort};
 use super::partial::Partial;
@@ -32,7 +32,8 @@ use super::surfaces::{self, Clouds};
 use super::{Analytic, Reference, Row, Shaded, Skipped, Surveyed, Tradeoff, findings, summary};
 use crate::report::popping::{self, Film, Popping};
 use crate::report::truth::Truth;
-use pellucid_session::candidates::{Formation, Ladders, Occasion, Setting, compared, settings};
+use pellucid_session::area::{self, Against};
+use pellucid_session::candidates::{Formation, Ladders, Occasion, Setting, compared, settings, with_samples};
 use pellucid_session::without_soft_points;
 
 /// The scene to measure.
@@ -70,6 +71,9 @@ pub struct Options {
     pub seeds: u32,
     /// The command line.
     pub command: String,
+    /// The picture that errors are measured against. Against the area each setting is measured with
+    /// [`area::COMPARED`] samples of a pixel.
+    pub against: Against,
 }
 
 impl Options {
@@ -81,7 +85,8 @@ impl Options {
         let seconds = seconds.unwrap_or(most);
         // A time beyond what a clock can hold is no limit.
         let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
-        Self { ladders, only, seconds, end: end.filter(|_| is_quick), rounds, seeds, command }
+        let against = Against::Center;
+        Self { ladders, only, seconds, end: end.filter(|_| is_quick), rounds, seeds, command, against }
     }
 }
 
@@ -92,6 +97,8 @@ pub const FRAME_SHARE: f64 = 8.0;
 pub const ALONE_SHARE: f64 = 60.0;
 /// Part of the time after which no further cause of errors is measured.
 const CAUSES_SHARE: f64 = 0.2;
+/// Part of the time for the exact pictures of several samples in a pixel, as a reference and as a cause of errors.
+const AREA_SHARE: f64 = 0.1;
 
 /// Measures every applicable setting, and resumes an interrupted run on the same scene and device. Results are stored
 /// in `folder`, which is created if needed, after every frame; so are the pictures. Once the report is written,
@@ -115,14 +122,21 @@ pub fn run(
     let frame = Frame { method, detail, stop: Stop::Exact, fragments: false, ..subject.frame };
     // Shadows are measured with the scene's own method.
     let own = frame.shadows.map(|_| subject.frame.method);
-    let formed = format!("{formation:?} {own:?}");
+    let against = if options.against == Against::Area { " against the area" } else { "" };
+    let formed = format!("{formation:?} {own:?}{against}");
     let identity = identity::hash(subject.arranged, &frame, subject.background, &formed, device.info());
     let partial = Partial::open(folder, identity);
 
     let thinning = if matches!(formation, Formation::Surfaces(_)) { options.ladders.thinning } else { &[1] };
     let mut clouds = Clouds::new(subject.arranged, thinning, frame.seed);
     progress.set_message("the reference");
-    let made = ReferenceImage::new(device, subject, &formation, &frame, &mut clouds)?;
+    // An interrupted run goes on with the reference that it had.
+    let known = partial.content.reference.as_ref().map(|reference| reference.samples);
+    let wanted = match options.against {
+        Against::Center => Samples::Own,
+        Against::Area => known.map_or(Samples::Within(AREA_SHARE * options.seconds), Samples::Exactly),
+    };
+    let made = ReferenceImage::new(device, subject, &formation, (&frame, wanted), &mut clouds)?;
     let ReferenceImage { reference, silhouette, facts, .. } = &made;
     let occasion = Occasion::new(subject.arranged.points(), formation, facts.max_list);
     let planes = Planes::from_points(subject.arranged, &frame);
@@ -155,11 +169,18 @@ pub fn run(
     let (mut settings, skipped) = settings(&occasion, &options.ladders);
     let asked = |name: &str| options.only.is_empty() || options.only.iter().any(|only| only == name);
     settings.retain(|setting| asked(setting.method.name()));
+    if options.against == Against::Area {
+        let surveyed = run.surveyed.is_some();
+        let fewer = area::COMPARED.into_iter().filter(|count| surveyed || *count < run.made.samples);
+        settings = with_samples(&settings, &fewer.collect::<Vec<_>>());
+    }
     run.skipped = skipped.into_iter().filter(|skipped| asked(&skipped.method)).collect();
     progress.set_length(settings.len() as u64);
-    if asked(run.frame.method.name()) {
+    let asked_exact = asked(run.frame.method.name());
+    if asked_exact {
         run.find_causes()?;
     }
+    run.find_area(if asked_exact { &area::COMPARED } else { &[] })?;
     let taken = run.trials(&settings)?;
     run.rounds(&taken)?;
     run.shade()?;
@@ -203,11 +224,14 @@ impl TradeoffRun<'_> {
             let (checked_pixels, largest_error) = unchecked.map_or((0, 0.0), |image| {
                 self.progress.set_message("checking the reference in float64");
                 let points = self.subject.arranged.points();
-                let deviation = Truth::new(points, &self.frame, self.frame.seed).deviation(&image, 0.0);
+                let frame = Frame { samples: self.made.samples, ..self.frame };
+                let deviation = Truth::new(points, &frame, self.frame.seed).deviation(&image, 0.0);
                 (deviation.pixels, deviation.max)
             });
             let method = self.made.method.clone();
-            self.partial.content.reference = Some(Reference { method, picture, checked_pixels, largest_error });
+            let samples = self.made.samples;
+            let reference = Reference { method, picture, checked_pixels, largest_error, samples };
+            self.partial.content.reference = Some(reference);
             self.partial.save()?;
         }
         Ok(())
@@ -220,7 +244,8 @@ impl TradeoffRun<'_> {
     fn frame_of(&self, setting: &Setting, image: u32) -> Frame {
         // Wraps around like any seed would.
         let seed = self.subject.frame.seed.wrapping_add(image.into());
-        Frame { method: setting.method, detail: setting.detail, seed, ..self.frame }
+        let samples = setting.samples.unwrap_or(self.frame.samples);
+        Frame { method: setting.method, detail: setting.detail, seed, samples, ..self.frame }
     }
 
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
@@ -270,9 +295,14 @@ impl TradeoffRun<'_> {
         if known.eq(changes.iter().map(|change| (&change.setting, change.against))) {
             return Ok(());
         }
+        // Against the area the reference has more samples than these images.
+        let own = match self.options.against {
+            Against::Center => None,
+            Against::Area => Some(self.render_exact()?),
+        };
         let effort = CausesEffort {
             frame: &frame,
-            reference: &self.made.reference,
+            reference: own.as_ref().unwrap_or(&self.made.reference),
             background: self.subject.background,
             arranged: self.subject.arranged,
             folder: self.folder,
@@ -284,8 +314,41 @@ impl TradeoffRun<'_> {
         Ok(self.partial.save()?)
     }
 
+    /// The image of the exact method with the scene's own samples.
+    fn render_exact(&mut self) -> Result<LinearImage> {
+        let mut renderer = Renderer::new(self.device)?;
+        let cloud = self.clouds.on_device(&renderer, 1, &self.frame.detail)?;
+        let rendered = renderer.render(cloud, &self.frame)?;
+        Ok(self.linear(&rendered.image)?)
+    }
+
+    /// Finds the error of looking at these numbers of points of each pixel, and of the scene's own, unless an earlier
+    /// run has it. Opaque points have a reference with many samples anyway.
+    fn find_area(&mut self, counts: &[u32]) -> Result<()> {
+        let known = self.partial.content.area.as_ref();
+        let has_all = known.is_some_and(|known| known.causes.len() > 1 || counts.is_empty());
+        if self.surveyed.is_some() || has_all {
+            return Ok(());
+        }
+        let frame = self.frame;
+        let effort = CausesEffort {
+            frame: &frame,
+            reference: &self.made.reference,
+            background: self.subject.background,
+            arranged: self.subject.arranged,
+            folder: self.folder,
+            seconds: AREA_SHARE * self.options.seconds,
+        };
+        let timed = (effort, self.options.seconds);
+        match causes::area::measure(self.device, &mut self.clouds, timed, counts, self.progress)? {
+            Ok(found) => self.partial.content.area = Some(found),
+            Err(skipped) => self.skipped.push(skipped),
+        }
+        Ok(self.partial.save()?)
+    }
+
     fn report(self, settings: &[Setting], popping: Option<Popping>) -> Tradeoff {
-        let Self { device, subject, options, partial, made, analytic, surveyed, skipped, .. } = self;
+        let Self { device, subject, options, frame, partial, made, analytic, surveyed, skipped, .. } = self;
         let facts = made.facts;
         let content = partial.content;
         let row = |setting: &Setting| summary::row(&content.settings[&setting.key()]);
@@ -302,6 +365,9 @@ impl TradeoffRun<'_> {
             }
         };
         let info = device.info();
+        let asked = options.only.is_empty() || options.only.iter().any(|only| only == frame.method.name());
+        let area_causes =
+            content.area.iter().filter(|_| asked).flat_map(|area| area.causes.clone()).collect::<Vec<_>>();
         Tradeoff {
             version: 1,
             pellucid: env!("CARGO_PKG_VERSION").to_owned(),
@@ -318,7 +384,9 @@ impl TradeoffRun<'_> {
             analytic,
             surveyed,
             shaded: content.shaded,
-            causes: content.causes,
+            against: options.against.word().to_owned(),
+            area: content.area.as_ref().map(|area| area.picture.clone()),
+            causes: content.causes.into_iter().chain(area_causes).collect(),
             popping,
             rows,
             skipped,

@@ -80,7 +80,13 @@ impl TradeoffRun<'_> {
             .filter(|other| other.series == setting.series)
             .filter_map(|other| Some((other.effort?, self.first(other)?.seconds)))
             .collect();
-        predict(&times, setting.effort?)
+        predict(&times, setting.effort?).or_else(|| {
+            // Of fewer samples in a pixel, in proportion.
+            let fewer = before.iter().rev().filter(|other| other.is_like(setting));
+            let known = fewer.filter_map(|other| Some((f64::from(other.samples?), self.first(other)?.seconds))).next();
+            let (count, seconds) = known?;
+            Some(seconds * f64::from(setting.samples?) / count)
+        })
     }
 
     /// The first frames of a setting, if they are there.

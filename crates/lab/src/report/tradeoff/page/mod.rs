@@ -13,7 +13,7 @@ use self::convergence::{bias, blended, convergence};
 use self::surfaces::{about_surfaces, iterations, shaded};
 use super::figures::short;
 use super::pictures::Pictures;
-use super::{Row, Tradeoff, causes, looks};
+use super::{PixelArea, Row, Tradeoff, causes, looks};
 use crate::report::page::{
     Drawn, ReportTable, count, digits, facts, grouped, mib, page, passes as table_of, script, sorting,
 };
@@ -63,6 +63,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, cr
         p {
             "The Pareto front, fastest first: no other setting is at least as fast and as accurate and better in one of "
             "the two."
+            @if let Some(area) = &report.area { " Beside the errors of methods stands that of the samples. " (area.text()) "." }
         }
         (front(report))
         @if !report.findings.is_empty() {
@@ -133,12 +134,20 @@ fn about(report: &Tradeoff) -> Markup {
         met,
         ("image", format!("{} × {} pixels", report.size[0], report.size[1])),
         ("reference", checked),
+        ("sampling error", report.area.as_ref().map_or_else(|| no_area(report), PixelArea::text)),
         ("device", report.device.clone()),
         ("driver", report.driver.clone()),
         ("pellucid", format!("{}, format {}", report.pellucid, report.version)),
         ("command", report.command.clone()),
         ("measured", sittings(report.sittings)),
     ])
+}
+
+/// The reason why no sampling error is stated.
+fn no_area(report: &Tradeoff) -> String {
+    let surveyed = report.surveyed.is_some();
+    let why = if surveyed { "the reference has many samples in a pixel" } else { "not measured" };
+    format!("pixel area: {why}")
 }
 
 /// The number of runs; the conditions of different runs may differ.
