@@ -4,6 +4,8 @@
 //! of which each column and each row of N × N cells has one (Hammersley). Image i is that of the same scene with every
 //! projected position moved by (½ − x, ½ − y) pixels, so that the centers of its pixels are these samples.
 
+use std::cmp::Ordering;
+
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
@@ -38,6 +40,16 @@ impl Frame {
         let middle = self.samples / 2;
         let others = (0..self.samples).filter(|index| *index != middle);
         others.chain([middle]).map(|index| self.image(index)).collect()
+    }
+
+    /// Returns the place of the image among those of [`Self::images`]: how many are drawn before.
+    pub(super) fn turn(&self) -> u32 {
+        let (number, middle) = (self.number(), self.samples / 2);
+        match number.cmp(&middle) {
+            Ordering::Less => number,
+            Ordering::Equal => self.samples - 1,
+            Ordering::Greater => number - 1,
+        }
     }
 
     /// Returns the number of the image: each draws random numbers of its own.
