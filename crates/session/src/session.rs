@@ -305,9 +305,9 @@ impl Session {
         self.keep_samples(Some(settled));
         let text = settled.text();
         if settled.meets() {
-            messages.note(&text)
+            messages.note(&text);
         } else {
-            messages.warn(&text)
+            messages.warn(&text);
         }
         self.describe_opacity(messages);
         Ok(Some(rendered))
