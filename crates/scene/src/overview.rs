@@ -102,6 +102,7 @@ fn is_in_depth(camera: &Camera, z: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
