@@ -12,7 +12,7 @@ from ._camera import Camera
 from ._progress import listening
 from ._renderer import Loaded, Renderer, Sharing, _load, above_zero, positive, prepared, whole
 from ._settings import _seed, picture_against
-from ._types import Accuracy, Path, Progress, Size
+from ._types import Accuracy, Path, Progress, Samples, Size
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -33,6 +33,7 @@ def render(
     method: str = "auto",
     camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
+    samples: Samples | None = None,
     fragments: bool = False,
     depths: bool = False,
     accuracy: Accuracy = "exact",
@@ -59,6 +60,11 @@ def render(
         A `Camera`, or a dict of keys of [camera]. By default, a camera that sees the whole scene.
     size
         Width and height in pixels, each from 1 to 16384. By default, the size that the scene gives, else 1024 × 1024.
+    samples
+        Samples of each pixel's area: 1, 2, 4, 8, 16, 32, 64, or "auto". The picture is the mean of so many images, each moved by a
+        fraction of a pixel, and takes about as many times as long; "auto" doubles them until the picture changes by less than
+        ``sampling_error``. By default, the number that the scene gives, else 1, which shows the center of each pixel. The samples
+        that a stochastic method draws in each image are ``method__samples``.
     fragments
         If True, count the fragments of each pixel (`Image.fragments`) and find the standard error of stochastic methods.
     depths
@@ -73,7 +79,7 @@ def render(
     progress
         True for a tqdm bar, or a callable that makes a bar, such as ``tqdm.tqdm``.
     settings
-        Keys of the scene file (docs/scene-file.md): ``samples=64`` of [method], ``radius=0.1`` of all clouds,
+        Keys of the scene file (docs/scene-file.md): ``ensembles=64`` of [method], ``radius=0.1`` of all clouds,
         ``background="white"``. If several tables have a key, put the table before it, as in ``shadows__samples=4``,
         ``cloud__0__color`` or ``method__size``. A whole table is a dict, as in ``shading={"model": "none"}``. These options of the
         command line are also accepted: ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``,
@@ -98,7 +104,7 @@ def render(
         Ctrl-C was pressed. It ends the call within 0.2 s.
     """
     columns = {"colors": colors, "opacities": opacities, "radii": radii, "normals": normals, "scalars": scalars}
-    arguments = _arguments(opacity, method, camera, size, {**columns, **settings})
+    arguments = _arguments(opacity, method, camera, size, samples, {**columns, **settings})
     with Sharing(device) as renderer, _loaded(renderer, points, arguments, seed, progress) as loaded:
         return loaded.frame(fragments=fragments, depths=depths, accuracy=accuracy, progress=progress)
 
@@ -112,6 +118,7 @@ def profile(
     method: str = "auto",
     camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
+    samples: Samples | None = None,
     accuracy: Accuracy = "exact",
     device: str | int | None = None,
     seed: int | None = None,
@@ -125,7 +132,7 @@ def profile(
     each frame waits for its own counts. The other arguments are those of `render`.
     """
     count = positive("frames", frames)
-    arguments = _arguments(opacity, method, camera, size, settings)
+    arguments = _arguments(opacity, method, camera, size, samples, settings)
     with Sharing(device) as renderer, _loaded(renderer, points, arguments, seed, progress) as loaded:
         return loaded.profile(frames=count, steady=steady, accuracy=accuracy, progress=progress)
 
@@ -137,6 +144,7 @@ def plan(
     method: str = "auto",
     camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
+    samples: Samples | None = None,
     device: str | int | None = None,
     seed: int | None = None,
     progress: Progress = None,
@@ -148,7 +156,7 @@ def plan(
     """
     from ._measures import Plan
 
-    arguments = _arguments(opacity, method, camera, size, settings)
+    arguments = _arguments(opacity, method, camera, size, samples, settings)
     with Sharing(device) as renderer, _loaded(renderer, points, arguments, seed, progress) as loaded:
         with listening(progress) as listener:
             text = loaded._native.plan(loaded._ask({}), listener)
@@ -167,6 +175,7 @@ def tradeoff(
     method: str = "auto",
     camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
+    samples: Samples | None = None,
     device: str | int | None = None,
     seed: int | None = None,
     progress: Progress = None,
@@ -203,7 +212,7 @@ def tradeoff(
     limit = None if seconds is None else above_zero("seconds", seconds)
     picture = picture_against(against)
     extent = {"quick": bool(quick), "only": names, "seconds": limit, "against": picture, "command": "pellucid.tradeoff()"}
-    arguments = _arguments(opacity, method, camera, size, settings)
+    arguments = _arguments(opacity, method, camera, size, samples, settings)
     with (
         Sharing(device) as renderer,
         _loaded(renderer, points, arguments, seed, progress, with_radii=True) as loaded,
@@ -319,6 +328,7 @@ def view(
     method: str = "auto",
     camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
+    samples: Samples | None = None,
     fragments: bool = False,
     depths: bool = False,
     accuracy: Accuracy = "exact",
@@ -333,8 +343,8 @@ def view(
     Drag with Shift, or with a button other than the left one, to move the view. The wheel works once you have clicked the picture.
     A double click brings back the first view.
 
-    While something moves, pictures have as many samples, pixels and points as fit in ``frame_ms``. At rest, they become finer until
-    nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS Code).
+    While something moves, pictures have one of the ``samples`` of each pixel's area, and as many random samples, pixels and points
+    as fit in ``frame_ms``. At rest, they become finer until nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS Code).
     Elsewhere, the result is the picture of `render`. Raises what `render` raises.
 
     Parameters
@@ -359,7 +369,7 @@ def view(
     from ._view import shown
 
     columns = {"colors": colors, "opacities": opacities, "radii": radii, "normals": normals, "scalars": scalars}
-    arguments = {**_arguments(opacity, method, camera, None, {**columns, **settings}), "seed": seed, "progress": progress}
+    arguments = {**_arguments(opacity, method, camera, None, samples, {**columns, **settings}), "seed": seed, "progress": progress}
     frame = {"fragments": fragments, "depths": depths, "accuracy": accuracy}
     return shown(points, size=size, device=device, frame_ms=above_zero("frame_ms", frame_ms), arguments=arguments, frame=frame)
 
@@ -369,12 +379,13 @@ def _arguments(
     method: str,
     camera: Camera | Mapping[str, Any] | None,
     size: Size | None,
+    samples: Samples | None,
     settings: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Turn arguments of `render` into those of `Renderer.load`."""
     # The default leaves the scene its own.
     asked = None if method == "auto" else method
-    return {"method": asked, "opacity": opacity, "camera": camera, "size": size, **settings}
+    return {"method": asked, "opacity": opacity, "camera": camera, "size": size, "samples": samples, **settings}
 
 
 def _loaded(

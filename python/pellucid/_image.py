@@ -145,18 +145,21 @@ class Image(NDArrayOperatorsMixin):
         return plane
 
     @property
-    def fragments(self) -> NDArray[np.uint32] | None:
-        """Number of fragments of each pixel, shape (h, w).
+    def fragments(self) -> NDArray[np.uint32] | NDArray[np.float32] | None:
+        """Number of fragments of each pixel, shape (h, w): uint32, or with `samples` above 1 their means as float32.
 
         None unless you asked for ``fragments=True`` and the method has lists.
         """
-        plane: NDArray[np.uint32] | None = self._plane("fragments")
+        plane: NDArray[np.uint32] | NDArray[np.float32] | None = self._plane("fragments")
         return plane
 
     @property
-    def layers(self) -> NDArray[np.uint32] | None:
-        """Number of blended layers of each pixel, shape (h, w), of methods that peel, with ``fragments=True``; else None."""
-        plane: NDArray[np.uint32] | None = self._plane("layers")
+    def layers(self) -> NDArray[np.uint32] | NDArray[np.float32] | None:
+        """Number of blended layers of each pixel, shape (h, w), of methods that peel, with ``fragments=True``; else None.
+
+        With `samples` above 1 it is the mean of the images, as float32.
+        """
+        plane: NDArray[np.uint32] | NDArray[np.float32] | None = self._plane("layers")
         return plane
 
     @property
@@ -172,6 +175,11 @@ class Image(NDArrayOperatorsMixin):
         """Standard error of each pixel, shape (h, w, 3); None under the conditions of `stderr`."""
         plane: NDArray[np.float32] | None = self._plane("stderr", 3)
         return plane
+
+    @property
+    def samples(self) -> int:
+        """Samples of each pixel's area: the number of images whose mean the picture is."""
+        return self._native.samples
 
     @property
     def method(self) -> str:

@@ -300,7 +300,10 @@ class Painter:
         if points is not None:
             settings["detail"] = {"max_points": points}
         if draft.samples is not None:
-            settings["samples"] = draft.samples
+            settings["method__samples"] = draft.samples
+        if draft != _drafts.whole(request.samples):
+            # The area of a pixel is for pictures that leave nothing out.
+            settings["samples"] = 1
         # Standard errors come with the count of fragments.
         as_asked = {"accuracy": "8-bit", **others, "fragments": draft.samples is not None or others.get("fragments", False)}
         return scene.frame(

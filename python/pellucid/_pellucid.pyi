@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 _Listener: TypeAlias = Callable[[str, int, int | None], object] | None
 _Changes: TypeAlias = list[tuple[str, str, str, bool]]
 _Floats: TypeAlias = NDArray[np.float32]
-_Counts: TypeAlias = NDArray[np.uint32]
+_Counts: TypeAlias = NDArray[np.uint32] | NDArray[np.float32]
 _Triple: TypeAlias = list[float]
 _Numbers: TypeAlias = tuple[_Triple, _Triple, _Triple, float | None, float | None, float, float]
 _Parts: TypeAlias = tuple[_Floats, _Floats, _Floats | None, _Floats | None, _Counts | None, _Counts | None, _Floats | None]
@@ -94,6 +94,8 @@ class Picture:
     def reason(self) -> str: ...
     @property
     def stderr(self) -> float | None: ...
+    @property
+    def samples(self) -> int: ...
     @property
     def metadata(self) -> list[tuple[str, str]]: ...
     def camera(self) -> _Numbers: ...

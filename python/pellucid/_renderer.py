@@ -18,7 +18,7 @@ from ._errors import DeviceError
 from ._progress import listening
 from ._scene import Scene
 from ._settings import COLUMNS, Asked, ask, asked, one_view
-from ._types import Accuracy, Progress, Setting, Size
+from ._types import Accuracy, Progress, Samples, Setting, Size
 
 if TYPE_CHECKING:
     import numpy as np
@@ -102,6 +102,7 @@ class Loaded:
         *,
         camera: Camera | Mapping[str, Any] | None = None,
         size: Size | None = None,
+        samples: Samples | None = None,
         method: str | None = None,
         fragments: bool = False,
         depths: bool = False,
@@ -128,6 +129,7 @@ class Loaded:
             settings,
             camera=camera,
             size=size,
+            samples=samples,
             method=method,
             fragments=fragments,
             depths=depths,
@@ -147,6 +149,7 @@ class Loaded:
         steady: bool = False,
         camera: Camera | Mapping[str, Any] | None = None,
         size: Size | None = None,
+        samples: Samples | None = None,
         method: str | None = None,
         accuracy: Accuracy = "exact",
         seed: int | None = None,
@@ -161,7 +164,7 @@ class Loaded:
         """
         from ._measures import Profile
 
-        request = self._ask(settings, camera=camera, size=size, method=method, accuracy=accuracy, seed=seed)
+        request = self._ask(settings, camera=camera, size=size, samples=samples, method=method, accuracy=accuracy, seed=seed)
         with listening(progress) as listener:
             text = self._native.profile(request, positive("frames", frames), bool(steady), listener)
         return Profile._of(json.loads(text))
@@ -172,6 +175,7 @@ class Loaded:
         *,
         camera: Camera | Mapping[str, Any] | None = None,
         size: Size | None = None,
+        samples: Samples | None = None,
         method: str | None = None,
         seed: int | None = None,
         **others: Any,
@@ -180,7 +184,7 @@ class Loaded:
             if name in COLUMNS:
                 raise TypeError(f"{name}: expected at Renderer.load, which takes columns of points; a frame draws what was loaded")
         camera, table = _camera(camera)
-        found = asked({"method": method, **settings, "camera": table, "size": size})
+        found = asked({"method": method, **settings, "camera": table, "size": size, "samples": samples})
         if found.direction:
             names = ", ".join(found.direction)
             raise TypeError(f"{names}: expected at Renderer.load, which frames the scene; here camera= looks from elsewhere")

@@ -148,7 +148,7 @@ class Scene:
         A `Camera`, or keys of [camera]. By default, a camera that sees all clouds.
     settings
         Keys of the scene file, as for `render`; ``size=(480, 360)`` is the size of the picture. If several tables have a key, its
-        plain name means the key of [method], as for ``samples``, or of all clouds, as for ``color``; ``shadows__samples`` is the
+        plain name means the key of [method], as for ``ensembles``, or of all clouds, as for ``color``; ``shadows__samples`` is the
         key of [shadows]. ``shadows=True`` or an empty dict switches shadows on with their defaults.
 
     Raises
@@ -289,7 +289,7 @@ class Scene:
     def set(self, key: str, value: Setting) -> None:
         """Set a dotted key, such as ``method.samples``, ``cloud.0.opacity`` or ``cloud.*.radius``. None removes the key.
 
-        A plain name means the same key as it does as an argument of `Scene`: ``samples`` is ``method.samples``. Raises SceneError
+        A plain name means the same key as it does as an argument of `Scene`: ``samples`` is ``image.samples``. Raises SceneError
         for a key or value that no scene has; the scene is then unchanged.
         """
         if not isinstance(key, str):

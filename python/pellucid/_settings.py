@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypedDict, cast
 from . import _pellucid
 
 # Where a key without a table is looked for, in this order: a name that several tables have goes to [method], `color` to
-# all clouds. A `size` is always the picture's, though methods have one as well.
+# all clouds. `size` and `samples` are always the picture's, though methods have them as well.
 _ORDER = ("method", "cloud.*", "image", "shading", "detail", "shadows", "camera", "clip.*")
 TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", "clip")
 
@@ -150,8 +150,8 @@ def dotted(name: str) -> str:
         return path if rest.partition(".")[0].isdigit() or rest.startswith("*.") else f"{first}.*.{rest}"
     if rest and first in TABLES:
         return path
-    if path == "size":
-        return "image.size"
+    if path in ("size", "samples"):
+        return f"image.{path}"
     if path in COLUMNS:
         # Though [method] has a name as well.
         raise TypeError(_unknown(name))

@@ -369,9 +369,9 @@ CASES = [
     ),
     (
         "part of a sample",
-        lambda: pellucid.render(POINTS, method="stochastic", samples=64.5),
+        lambda: pellucid.render(POINTS, method="stochastic", method__samples=64.5),
         pellucid.SceneError,
-        "samples=64.5: `method.samples` must be an integer from 1 to 4096, found 64.5",
+        "method__samples=64.5: `method.samples` must be an integer from 1 to 4096, found 64.5",
     ),
     (
         "no shadows",
@@ -393,9 +393,9 @@ CASES = [
     ),
     (
         "value of another type",
-        lambda: pellucid.render(POINTS, method="stochastic", samples="many"),
+        lambda: pellucid.render(POINTS, method="stochastic", method__samples="many"),
         pellucid.SceneError,
-        "samples='many': `method.samples` …integer…",
+        "method__samples='many': `method.samples` …integer…",
     ),
     (
         "unknown method",

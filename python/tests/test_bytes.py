@@ -24,9 +24,14 @@ CASES = {
     "plain": ({}, []),
     "transparent": ({"opacity": 0.2}, ["--opacity", "0.2"]),
     "stochastic": (
-        {"opacity": 0.2, "method": "stochastic", "samples": 8, "seed": 3},
+        {"opacity": 0.2, "method": "stochastic", "method__samples": 8, "seed": 3},
         ["--opacity", "0.2", "--method", "stochastic", "--set", "method.samples=8", "--seed", "3"],
     ),
+    "samples": (
+        {"opacity": 0.3, "method": "abuffer", "samples": 4, "fragments": True},
+        ["--opacity", "0.3", "--method", "abuffer", "--samples", "4", "--aov"],
+    ),
+    "samples as many as it takes": ({"samples": "auto", "sampling_error": 0.05}, ["--samples", "auto", "--set", "image.sampling_error=0.05"]),
     "seen from aside": (
         {"view": "left", "elevation": 20, "background": "white", "color_by": "height", "colormap": "magma"},
         ["--view", "left", "--elevation", "20", "--background", "white", "--color-by", "height", "--colormap", "magma"],
@@ -56,7 +61,7 @@ def of_python(tmp_path, points, arguments, suffix):
 @pytest.mark.parametrize("file", FILES)
 def test_of_files(renderer, cli, tmp_path, file, suffix):
     for name, (python, arguments) in CASES.items():
-        if name == "aov" and suffix == ".png":
+        if name in ("aov", "samples") and suffix == ".png":
             continue
         if file == "splats/soup.ply" and name == "seen from aside":
             # Splats have colors alone.

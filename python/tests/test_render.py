@@ -190,7 +190,7 @@ def test_a_device_that_failed_is_opened_anew(renderer, points, monkeypatch, name
 
 def test_stochastic_pictures_know_their_error_and_their_seed(renderer, points):
     def image(**arguments):
-        return pellucid.render(points, opacity=0.3, size=SIZE, method="stochastic", samples=16, **arguments)
+        return pellucid.render(points, opacity=0.3, size=SIZE, method="stochastic", method__samples=16, **arguments)
 
     counted = image(fragments=True)
     assert 0.0 < counted.stderr < 1.0
@@ -330,7 +330,7 @@ def test_a_budget_of_error_chooses_a_method(renderer, points):
 
 def test_against_the_area_the_samples_are_chosen_too(renderer, points):
     scene = {"radius": 0.4, "opacity": 0.3, "size": SIZE}
-    area, four, one = (pellucid.render(points, method="abuffer", image__samples=n, **scene) for n in (64, 4, 1))
+    area, four, one = (pellucid.render(points, method="abuffer", samples=n, **scene) for n in (64, 4, 1))
     least = pellucid.compare(area, four).rmse
     assert least < pellucid.compare(area, one).rmse
     chosen = pellucid.render(points, max_error=1.01 * least, against="area", **scene)
@@ -344,7 +344,7 @@ def test_against_the_area_the_samples_are_chosen_too(renderer, points):
 
 def test_settings_without_effect_are_warned_of(renderer, points):
     with pytest.warns(pellucid.PellucidWarning, match=r"samples|method\.samples") as caught:
-        pellucid.render(points, samples=4, method="abuffer", size=SIZE)
+        pellucid.render(points, method__samples=4, method="abuffer", size=SIZE)
     assert caught[0].filename == __file__, "the warning is about the line that called"
     away = pellucid.Camera.look_at((0, 0, 100), (0, 0, 200), up=(0, 1, 0))
     with pytest.warns(pellucid.PellucidWarning, match="sees nothing|empty"):

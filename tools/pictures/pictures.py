@@ -2,7 +2,7 @@
 """Remakes the pictures of README and of docs/gallery.md, and that page: tools/pictures/pictures.py FOLDER [PICTURE…].
 
 FOLDER holds the files that docs/gallery.toml lists. A picture of README is made by the first command of the block above it, so that
-the two cannot differ; only the file's name, the size and the output are others. `--page` writes the page alone.
+the two cannot differ; only the file's name, the size, the samples and the output are others. `--page` writes the page alone.
 
 All files are compared by their SHA-256 before anything is rendered. A missing one is named, its pictures are left out, and the
 script fails at its end.
@@ -188,7 +188,7 @@ def make_readme(entry: dict, data: Path, program: Path) -> None:
         work = Path(folder)
         (work / "scan.laz").symlink_to((data / entry["file"]).resolve())
         print(f"== README, {entry['name']}: pellucid {shlex.join(words)}", flush=True)
-        execute(program, [*words, "--size", entry["size"], "--output", "picture.png"], work)
+        execute(program, [*words, "--size", entry["size"], "--samples", "16", "--output", "picture.png"], work)
         shrink_to_palette(work / "picture.png", README_IMAGES / f"{entry['name']}.png", MAX_README)
 
 

@@ -23,6 +23,8 @@ pub struct Profile {
     pub method: &'static str,
     /// Width × height.
     pub pixels: u64,
+    /// Samples of each pixel's area: passes and counts are those of so many images.
+    pub samples: u32,
     /// `true` if the counts of the frames were foreseen, `false` if each frame waited for its own; `None` for a picture
     /// that is rendered once.
     pub steady: Option<bool>,
@@ -56,6 +58,7 @@ impl Profile {
             read: Reads::default(),
             peak_host_bytes: None,
             pixels: u64::from(frame.size[0]) * u64::from(frame.size[1]),
+            samples: frame.samples,
             facts: Facts::default(),
             list_histogram: Vec::new(),
             clouds: Vec::new(),
@@ -69,6 +72,7 @@ impl Profile {
         if let Some(fragments) = &rendered.image.fragments {
             self.list_histogram = histogram(fragments);
         }
+        self.samples = rendered.image.samples.max(1);
         self.facts = rendered.facts.clone();
         self.frames.push(rendered.profile.clone());
     }
@@ -99,6 +103,7 @@ impl Profile {
             "scene": {
                 "points": self.facts.shown,
                 "pixels": self.pixels,
+                "samples": self.samples,
                 "fragments": self.facts.fragments,
                 "max_list": self.facts.max_list,
                 "list_histogram": self.list_histogram,

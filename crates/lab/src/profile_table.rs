@@ -39,8 +39,12 @@ pub fn profile_table(profile: &Profile, copy_rate: Option<f64>) -> String {
 }
 
 fn head(profile: &Profile) -> String {
+    let samples = match profile.samples {
+        1 => String::new(),
+        samples => format!(" with {samples} samples each (passes and fragments are those of {samples} images)"),
+    };
     format!(
-        "{} ({}), {} frame(s)\n{} points, {} pixels, {} fragments, longest list {}",
+        "{} ({}), {} frame(s)\n{} points, {} pixels{samples}, {} fragments, longest list {}",
         profile.device,
         profile.driver,
         profile.frames.len(),

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pellucid_engine::methods::Stop;
+use pellucid_engine::methods::{SAMPLES, Stop};
 use pellucid_scene::camera_at;
 use pellucid_session::FrameRequest;
 
@@ -16,9 +16,27 @@ pub struct FrameBuilder<'a> {
     frame: FrameRequest,
     camera: Option<Camera>,
     size: Option<[u32; 2]>,
+    samples: Option<Samples>,
     method: Option<Method>,
     largest_rmse: Option<f64>,
     longest_time: Option<Duration>,
+}
+
+/// Samples of each pixel's area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Samples {
+    /// As many as it takes: they double from 4 until the picture changes by less than `image.sampling_error` (RMSE), to 64
+    /// at most.
+    Auto,
+    /// This number: 1, 2, 4, 8, 16, 32 or 64.
+    Count(u32),
+}
+
+impl From<u32> for Samples {
+    fn from(count: u32) -> Self {
+        Self::Count(count)
+    }
 }
 
 /// Accuracy of a picture.
@@ -36,7 +54,16 @@ pub enum Accuracy {
 impl<'a> FrameBuilder<'a> {
     pub(crate) fn new(loaded: &'a mut Loaded) -> Self {
         let frame = FrameRequest::default();
-        Self { loaded, frame, camera: None, size: None, method: None, largest_rmse: None, longest_time: None }
+        Self {
+            loaded,
+            frame,
+            camera: None,
+            size: None,
+            samples: None,
+            method: None,
+            largest_rmse: None,
+            longest_time: None,
+        }
     }
 
     /// Sets the camera.
@@ -47,6 +74,13 @@ impl<'a> FrameBuilder<'a> {
     /// Sets the width and height in pixels, each from 1 to 16384.
     pub fn size(self, width: u32, height: u32) -> Self {
         Self { size: Some([width, height]), ..self }
+    }
+
+    /// Sets the samples of each pixel's area, by default those of the scene, else 1: the center alone. The picture is the
+    /// mean of so many images, each moved by a fraction of a pixel: edges are smooth, and points smaller than a pixel have
+    /// their share of it.
+    pub fn samples(self, samples: impl Into<Samples>) -> Self {
+        Self { samples: Some(samples.into()), ..self }
     }
 
     /// Sets the method; its settings are those of the scene.
@@ -110,11 +144,11 @@ impl<'a> FrameBuilder<'a> {
     /// Renders the frame.
     ///
     /// # Errors
-    /// Returns an error for a camera without a view (eye and target coincide, `up` along the view, a wrong angle), for
+    /// Returns an error for a number of samples other than 1, 2, 4, 8, 16, 32 and 64, for a camera without a view (eye and target coincide, `up` along the view, a wrong angle), for
     /// a frame that does not fit in the device or the budget, if the device fails, and if an observer canceled the
     /// work.
     pub fn render(self) -> Result<Picture> {
-        let Self { loaded, frame, camera, size, method, largest_rmse, longest_time } = self;
+        let Self { loaded, frame, camera, size, samples, method, largest_rmse, longest_time } = self;
         let Loaded { session, scene, watcher } = loaded;
         let mut request = scene.request()?;
         if let Some(method) = method {
@@ -122,6 +156,16 @@ impl<'a> FrameBuilder<'a> {
         }
         if let Some(size) = size {
             request.scene.image.size = size;
+        }
+        match samples {
+            Some(Samples::Auto) => request.scene.image.samples = pellucid_scene::Samples::Auto,
+            Some(Samples::Count(count)) if SAMPLES.contains(&count) => {
+                request.scene.image.samples = pellucid_scene::Samples::Count(count);
+            }
+            Some(Samples::Count(count)) => {
+                return Err(Error::argument(format!("samples: expected 1, 2, 4, 8, 16, 32 or 64, found {count}")));
+            }
+            None => {}
         }
         if let (Some(camera), Some(bounds)) = (camera, &session.prepared.bounds) {
             let radius = session.points().largest_radius();

@@ -75,7 +75,7 @@ extern crate self as pellucid;
 pub use camera::Camera;
 pub use cloud::{Cloud, CloudBuilder};
 pub use error::{Error, ErrorKind, Result};
-pub use frame::{Accuracy, FrameBuilder};
+pub use frame::{Accuracy, FrameBuilder, Samples};
 pub use method::Method;
 pub use observer::Observer;
 pub use picture::Picture;

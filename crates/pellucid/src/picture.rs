@@ -70,8 +70,13 @@ impl Picture {
         self.image.depth_mean.as_deref()
     }
 
+    /// Returns the samples of each pixel's area: the number of images whose mean the picture is.
+    pub fn samples(&self) -> u32 {
+        self.image.samples.max(1)
+    }
+
     /// Returns the number of fragments of each pixel, if [`counts`](crate::FrameBuilder::counts) were requested and the
-    /// method has lists.
+    /// method has lists: their sum over [`samples`](Self::samples) images.
     pub fn fragments(&self) -> Option<&[u32]> {
         self.image.fragments.as_deref()
     }

@@ -1,6 +1,7 @@
 //! Cancelled work, the examples, and the size of the surface.
 
 mod cancelled;
+mod samples;
 
 use std::path::Path;
 

@@ -79,7 +79,7 @@ impl Loaded {
     fn plan(&self, py: Python<'_>, ask: Ask, listener: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.with(py, listener, move |work, talk| {
             work.prepare(&ask.with_fragments(), talk)?;
-            measures::plan(&mut work.session)
+            measures::plan(&mut work.session, talk)
         })
     }
 
@@ -161,6 +161,7 @@ fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failur
         method: session.frame.method.name(),
         reason: session.why.clone(),
         stderr: rendered.image.standard_error(),
+        samples: rendered.image.samples.max(1),
     };
     Ok((picture, rendered.image))
 }

@@ -20,7 +20,7 @@ use crate::talk::Talk;
 /// Renders a first frame, which pays for pipelines and buffers, then those that count, steady or not.
 pub fn profile(session: &mut Session, (frames, steady): (u32, bool), talk: &Talk) -> Result<String, Failure> {
     let kept = session.frame;
-    let first = session.render()?;
+    let first = session.first(talk)?;
     let mut profile = session.profile();
     profile.steady = Some(steady);
     let counted = (first.facts.fragments, first.facts.max_list);
@@ -40,7 +40,7 @@ pub fn profile(session: &mut Session, (frames, steady): (u32, bool), talk: &Talk
         profile.add(&rendered);
         Ok::<_, Failure>(())
     });
-    session.frame = kept;
+    session.frame = Frame { samples: session.frame.samples, ..kept };
     measured?;
     if let Some(reason) = hindrance {
         talk.note(&format_args!("steady: the frames wait for their counts, because {reason}"));
@@ -53,7 +53,8 @@ pub fn profile(session: &mut Session, (frames, steady): (u32, bool), talk: &Talk
 }
 
 /// Returns the passes of a frame, each with its reason; the reason of the method comes first.
-pub fn plan(session: &mut Session) -> Result<String, Failure> {
+pub fn plan(session: &mut Session, talk: &Talk) -> Result<String, Failure> {
+    session.settle(talk)?;
     Ok(json!(session.plan()?).to_string())
 }
 

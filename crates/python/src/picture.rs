@@ -30,6 +30,9 @@ pub struct Picture {
     pub reason: String,
     #[pyo3(get)]
     pub stderr: Option<f64>,
+    /// Images whose mean it is.
+    #[pyo3(get)]
+    pub samples: u32,
 }
 
 /// Arrays of an image as Python keeps them: flat, row by row.
@@ -40,9 +43,36 @@ pub struct Arrays<'py> {
     depth: PyReadonlyArray1<'py, f32>,
     median: Option<PyReadonlyArray1<'py, f32>>,
     mean: Option<PyReadonlyArray1<'py, f32>>,
-    fragments: Option<PyReadonlyArray1<'py, u32>>,
-    layers: Option<PyReadonlyArray1<'py, u32>>,
+    fragments: Option<Counted<'py>>,
+    layers: Option<Counted<'py>>,
     stderr: Option<PyReadonlyArray1<'py, f32>>,
+}
+
+/// Counts of an image, or the means of several.
+#[derive(FromPyObject)]
+enum Counted<'py> {
+    Counts(PyReadonlyArray1<'py, u32>),
+    Means(PyReadonlyArray1<'py, f32>),
+}
+
+impl Counted<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Counts(array) => array.len(),
+            Self::Means(array) => array.len(),
+        }
+    }
+
+    /// Returns the sums over so many images.
+    fn sums(&self, name: &str, samples: u32, pixels: usize) -> Result<Vec<u32>, Failure> {
+        match self {
+            Self::Counts(array) => Ok(sized::<u32, 1>(name, array, pixels)?.into_flattened()),
+            Self::Means(array) => {
+                let means = sized::<f32, 1>(name, array, pixels)?.into_flattened();
+                Ok(means.into_iter().map(|mean| (f64::from(mean) * f64::from(samples)).round() as u32).collect())
+            }
+        }
+    }
 }
 
 impl Arrays<'_> {
@@ -56,7 +86,8 @@ impl Arrays<'_> {
 }
 
 type Floats<'py> = Bound<'py, PyArray1<f32>>;
-type Counts<'py> = Bound<'py, PyArray1<u32>>;
+/// Counts, uint32, or means of counts, float32.
+type Counts<'py> = Bound<'py, PyAny>;
 /// Color, depth, median depth, mean depth, fragments, layers and standard error.
 pub type Moved<'py> = (
     Floats<'py>,
@@ -71,16 +102,24 @@ pub type Moved<'py> = (
 /// Hands an image over to NumPy, which takes its memory.
 pub fn moved(py: Python<'_>, image: Image) -> Moved<'_> {
     let floats = |values: Vec<f32>| PyArray1::from_vec(py, values);
-    let counts = |values: Vec<u32>| PyArray1::from_vec(py, values);
+    let [fragments, layers] =
+        [&image.fragments, &image.layers].map(|counts| counts.as_ref().map(|c| counted(py, &image, c)));
     (
         arrays::flat(py, image.rgba),
         floats(image.depth),
         image.depth_median.map(floats),
         image.depth_mean.map(floats),
-        image.fragments.map(counts),
-        image.layers.map(counts),
+        fragments,
+        layers,
         image.stderr.map(|stderr| arrays::flat(py, stderr)),
     )
+}
+
+fn counted<'py>(py: Python<'py>, image: &Image, counts: &[u32]) -> Counts<'py> {
+    match image.samples {
+        0 | 1 => PyArray1::from_slice(py, counts).into_any(),
+        _ => PyArray1::from_vec(py, image.mean_counts(counts)).into_any(),
+    }
 }
 
 #[pymethods]
@@ -175,6 +214,9 @@ impl Picture {
         if !has_memory(bytes) {
             return Err(methods::Error::HostMemory { width, height, bytes }.into());
         }
+        let sums = |name: &str, counts: &Option<Counted<'_>>| {
+            counts.as_ref().map(|counts| counts.sums(name, self.samples, pixels)).transpose()
+        };
         Ok(Image {
             width,
             height,
@@ -182,9 +224,9 @@ impl Picture {
             depth: sized::<f32, 1>("depth", &arrays.depth, pixels)?.into_flattened(),
             depth_median: given("median_depth", &arrays.median, pixels)?.map(Vec::<[f32; 1]>::into_flattened),
             depth_mean: given("mean_depth", &arrays.mean, pixels)?.map(Vec::<[f32; 1]>::into_flattened),
-            samples: 1,
-            fragments: given("fragments", &arrays.fragments, pixels)?.map(Vec::<[u32; 1]>::into_flattened),
-            layers: given("layers", &arrays.layers, pixels)?.map(Vec::<[u32; 1]>::into_flattened),
+            samples: self.samples,
+            fragments: sums("fragments", &arrays.fragments)?,
+            layers: sums("layers", &arrays.layers)?,
             stderr: given("stderr", &arrays.stderr, pixels)?,
         })
     }

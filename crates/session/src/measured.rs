@@ -33,7 +33,7 @@ impl Measuring {
     pub fn frame(&mut self, session: &mut Session) -> Result<Rendered> {
         let mut rendered = self.one(session, Session::render)?;
         let mut image = std::mem::take(&mut rendered.image);
-        rendered.image.fragments = image.fragments.take();
+        (rendered.image.fragments, rendered.image.samples) = (image.fragments.take(), image.samples);
         session.renderer.recycle(image);
         let whole = self.one(session, Session::render_whole)?;
         rendered.profile.total = whole.profile.total;

@@ -4,13 +4,15 @@ use std::ops::Range;
 
 use glam::Vec3;
 use pellucid_core::camera::StatedCamera;
-use pellucid_core::image::Image;
+use pellucid_core::image::{Image, LinearImage};
 use pellucid_core::points::{Changes, Points};
 use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, OpacityFactor};
-use pellucid_engine::methods::{DrawnPart, Error as FrameError, Frame, PassProfile, Rendered, Renderer, SamplePart};
+use pellucid_engine::methods::{
+    self, DrawnPart, Error as FrameError, Frame, PassProfile, Rendered, Renderer, SamplePart,
+};
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::plan;
 use pellucid_engine::profile::{self, Profile};
@@ -18,7 +20,7 @@ use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
 use pellucid_io::peak_memory;
 use pellucid_scene::stored::Stored;
-use pellucid_scene::{self as scene, Method, MethodChoice, Scene};
+use pellucid_scene::{self as scene, ImageSettings, Method, MethodChoice, Samples, Scene};
 
 use crate::area::{self, Sampling};
 use crate::assembled::Assembled;
@@ -26,6 +28,7 @@ use crate::choice::{self, Choice, ChoiceFrame, Wish};
 use crate::messages::{Messages, Told};
 use crate::prepared::Prepared;
 use crate::request::Request;
+use crate::samples::{self, SettledSamples, Settling};
 use crate::uploaded::Uploaded;
 use crate::{notes, prepared, soft_points};
 
@@ -58,6 +61,8 @@ pub struct Session {
     pub is_part: bool,
     /// Method chosen by error or time.
     pub choice: Option<Choice>,
+    /// Samples per pixel that `image.samples = "auto"` was settled to ([`Self::settle`]).
+    pub settled: Option<SettledSamples>,
     /// The points on the device.
     pub uploaded: Uploaded,
     /// Facts that method and opacity follow from.
@@ -80,6 +85,8 @@ struct Decided {
     see_through: Option<f64>,
     wish: Option<Wish>,
     only: Option<String>,
+    samples: Samples,
+    sampling_error: f32,
 }
 
 impl Session {
@@ -121,6 +128,7 @@ impl Session {
             opacity_of_whole: None,
             is_part: false,
             choice: None,
+            settled: None,
             uploaded,
             decided: None,
             parts: None,
@@ -224,7 +232,7 @@ impl Session {
     /// Renders the request by a method that was decided before, for the reason `why`.
     pub fn keep_method(&mut self, method: Method, why: String) {
         (self.frame, self.why) = (Frame { method, ..undecided(&self.prepared) }, why);
-        (self.found, self.choice, self.parts) = (None, None, None);
+        (self.found, self.choice, self.parts, self.settled) = (None, None, None, None);
     }
 
     /// Decides method and opacity, unless nothing changed of what the last ones followed from.
@@ -239,11 +247,13 @@ impl Session {
             see_through: self.prepared.see_through(),
             wish,
             only: self.prepared.request.choice.only.clone(),
+            samples: image.samples,
+            sampling_error: image.sampling_error,
         };
         let is_new = last.as_ref() != Some(&asked);
         if is_new {
             self.frame = frame;
-            (self.found, self.choice, self.is_judged) = (None, None, false);
+            (self.found, self.choice, self.settled, self.is_judged) = (None, None, None, false);
             self.progress.begin(Phase::Frame);
             self.progress.set_message("choosing the method");
             match wish {
@@ -267,6 +277,87 @@ impl Session {
         self.progress.set_message("rendering");
         self.decided = Some(asked);
         Ok(is_new)
+    }
+
+    /// Finds the number of samples that `image.samples = "auto"` asks for, and says so: pictures of 2, 4, 8 and so on
+    /// are rendered until one differs from the one before by `image.sampling_error` at most. Returns the last one, as
+    /// [`Self::render`] would render it; `None` where the number is given, or settled already. With a share of light
+    /// each of these pictures has the opacity that was found for its own number.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::render`].
+    pub fn settle(&mut self, messages: &dyn Messages) -> Result<Option<Rendered>> {
+        if !self.is_unsettled() {
+            return Ok(None);
+        }
+        let mut settling = Settling::new(self.scene().image.sampling_error);
+        let (settled, rendered) = loop {
+            self.frame.samples = settling.samples();
+            self.refind_opacity()?;
+            self.progress.set_message(format!("{} samples per pixel", self.frame.samples));
+            let rendered = self.render()?;
+            if let Some(settled) = settling.take(self.shown(&rendered.image)?) {
+                break (settled, rendered);
+            }
+            self.renderer.recycle(rendered.image);
+        };
+        self.progress.set_message("rendering");
+        self.keep_samples(Some(settled));
+        let text = settled.text();
+        if settled.meets() {
+            messages.note(&text)
+        } else {
+            messages.warn(&text)
+        }
+        self.describe_opacity(messages);
+        Ok(Some(rendered))
+    }
+
+    /// Renders the first frame of a decision, which settles the number of samples if that is to be found.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::render`].
+    pub fn first(&mut self, messages: &dyn Messages) -> Result<Rendered> {
+        self.settle(messages)?.map_or_else(|| self.render(), Ok)
+    }
+
+    /// Returns `true` as long as the number of samples is to be found.
+    fn is_unsettled(&self) -> bool {
+        self.scene().image.samples == Samples::Auto && self.settled.is_none() && self.chosen_samples().is_none()
+    }
+
+    /// Renders further frames with the samples that were settled for another one, if any were.
+    pub fn keep_samples(&mut self, settled: Option<SettledSamples>) {
+        self.settled = settled;
+        let given = || self.chosen_samples().unwrap_or_else(|| self.scene().image.samples.count());
+        self.frame.samples = settled.map_or_else(given, |settled| settled.samples);
+    }
+
+    /// Returns the samples of a pixel that were chosen with the method, if any were.
+    fn chosen_samples(&self) -> Option<u32> {
+        self.choice.as_ref()?.samples
+    }
+
+    /// Returns an image as its picture shows it, in linear light.
+    fn shown(&mut self, image: &Image) -> Result<LinearImage> {
+        let ImageSettings { background, .. } = self.scene().image;
+        let color = self.frame.color;
+        if !brightness::is_applied(&self.frame.method) {
+            return Ok(methods::linear(image, background.color(), color)?);
+        }
+        let mut image = image.clone();
+        brightness::apply(&mut self.renderer, &mut self.uploaded.cloud, &self.frame, &mut image)?;
+        Ok(methods::linear(&image, background.color(), color)?)
+    }
+
+    /// Finds the opacity again for the frame's number of samples, unless it is that of a larger scene.
+    fn refind_opacity(&mut self) -> Result<()> {
+        if self.prepared.see_through().is_none() || self.opacity_of_whole.is_some() {
+            return Ok(());
+        }
+        self.find_opacity()?;
+        self.frame.factors.opacity *= self.prepared.request.frame.factors.opacity;
+        Ok(())
     }
 
     /// Counts soft points, if the method tells them from solid ones.
@@ -362,9 +453,10 @@ impl Session {
         self.warn(messages);
     }
 
-    /// Says which opacity was found, if one was looked for.
+    /// Says which opacity was found, if one was looked for. Where the number of samples is still to be found, so is the
+    /// opacity for it.
     pub fn describe_opacity(&self, messages: &dyn Messages) {
-        if let Some(share) = self.prepared.see_through() {
+        if let Some(share) = self.prepared.see_through().filter(|_| !self.is_unsettled()) {
             notes::describe_opacity(share, self.found, &self.prepared, messages);
         }
     }
@@ -431,7 +523,7 @@ impl Session {
     /// # Errors
     /// Returns the errors of [`Self::render`], [`Self::judge`] and [`Self::finish`].
     pub fn picture(&mut self, own: Vec<(String, String)>, messages: &dyn Messages) -> Result<(Rendered, WriteOptions)> {
-        let mut rendered = self.render()?;
+        let mut rendered = self.first(messages)?;
         self.judge(&rendered.image, messages)?;
         let options = self.finish(&mut rendered, own, messages)?;
         Ok((rendered, options))
@@ -480,6 +572,8 @@ impl Session {
         let scene = prepared.scene();
         let mut metadata = prepared.metadata(frame.method.name(), &device.info().name);
         metadata.extend(notes::decisions(frame, &uploaded.cloud, &scene.clouds, applied, found.as_ref()));
+        let sampled = samples::metadata(frame.samples, self.settled.as_ref());
+        metadata.extend(sampled.map(|json| (samples::SAMPLES_TAG.to_owned(), json.to_string())));
         let choice = choice.as_ref().map(Choice::json);
         metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
         metadata.push(prepared.camera_metadata());
@@ -570,6 +664,13 @@ impl Session {
         if let Some(first) = steps.iter_mut().find(|step| step.on) {
             let colorings = self.assembled().colorings.iter().cloned();
             let reasons = [first.reason.clone()].into_iter().chain(colorings).chain(self.without_soft_points());
+            let images = (frame.samples > 1).then(|| {
+                format!(
+                    "the picture is the mean of {} images, each of all passes: samples of a pixel's area",
+                    frame.samples
+                )
+            });
+            let reasons = reasons.chain(images);
             first.reason = reasons.collect::<Vec<_>>().join("; ");
         }
         Ok(steps)
@@ -623,7 +724,10 @@ fn describe_frame(rendered: &Rendered, messages: &dyn Messages) {
         messages.detail(&format_args!("{} layers peeled", facts.layers));
     }
     if facts.samples > 0 {
-        messages.detail(&format_args!("{} samples per pixel", facts.samples));
+        messages.detail(&format_args!("{} random samples per pixel", facts.samples));
+    }
+    if rendered.image.samples > 1 {
+        messages.detail(&format_args!("the mean of {} images: samples of each pixel's area", rendered.image.samples));
     }
     messages.detail(&format_args!(
         "frame {:.1} ms, of which {:.1} ms in passes; device memory at most {}",

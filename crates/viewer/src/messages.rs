@@ -109,6 +109,8 @@ pub struct WindowPicture {
     pub depths: Vec<f32>,
     /// True if nothing was left out.
     pub whole: bool,
+    /// True if only samples of each pixel's area were left out.
+    pub lacks_samples: bool,
     /// Description of the draft.
     pub draft: String,
     /// Accuracy of the pictures of this view.

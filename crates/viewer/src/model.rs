@@ -453,7 +453,12 @@ impl Model {
             && serial == picture.serial
         {
             let is_enough = picture.whole || !self.everything && picture.held.is_some_and(|held| held.is_fine);
-            self.picture_state = if is_enough { PictureState::Current } else { PictureState::Draft(refined) };
+            self.picture_state = match is_enough {
+                true => PictureState::Current,
+                // Finer drafts would show the same.
+                false if picture.lacks_samples => PictureState::Draft(due::MOST_REFINED),
+                false => PictureState::Draft(refined),
+            };
         }
         // The error of the previous picture no longer applies.
         let failed = self.failed.take();

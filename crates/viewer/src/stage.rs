@@ -19,7 +19,7 @@ use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
 use pellucid_io::output::WriteOptions;
 use pellucid_scene::legend::Legend;
-use pellucid_scene::{self as scene, Detail, Input, Method, MethodChoice, Scene};
+use pellucid_scene::{self as scene, Detail, Input, Method, MethodChoice, Samples, Scene};
 use pellucid_session::{Assembled, Clouds, FrameRequest, Prepared, Request, Session, Silent, Sources, Uploaded};
 
 /// Points that are this near to others add nothing that is seen, in pixels.
@@ -53,6 +53,8 @@ pub struct TakenPicture {
     pub draft: Draft,
     /// Lights that stand for an area light: the number used, and the number the scene wants.
     pub lights: Option<[u32; 2]>,
+    /// Samples of each pixel's area that the scene wants. The frame has those that the picture has.
+    pub samples: Samples,
     /// The picture's relation to the exact one, for whole pictures.
     pub exactness: Option<Exactness>,
     /// The distribution of F over the points, if the method uses it.
@@ -64,16 +66,36 @@ pub struct TakenPicture {
 impl TakenPicture {
     /// The description of the draft among others of its method.
     pub fn name(&self) -> String {
-        let draft = self.draft.name(&self.frame.method);
-        match self.lights {
-            Some([used, wanted]) if wanted > 1 => format!("{draft}, {used} lights"),
-            _ => draft,
-        }
+        let lights = self.lights.filter(|[_, wanted]| *wanted > 1).map(|[used, _]| format!("{used} lights"));
+        let samples = match (self.samples, self.frame.samples) {
+            (Samples::Count(1), _) => None,
+            (_, 1) => Some("1 sample per pixel".to_owned()),
+            (_, samples) => Some(format!("{samples} samples per pixel")),
+        };
+        [Some(self.draft.name(&self.frame.method)), lights, samples]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 
     /// True if nothing was left out.
     pub fn is_whole(&self) -> bool {
+        let has_samples = match self.samples {
+            Samples::Auto => self.frame.samples > 1,
+            Samples::Count(wanted) => self.frame.samples == wanted,
+        };
+        has_samples && self.has_all()
+    }
+
+    /// True if nothing was left out of an image.
+    fn has_all(&self) -> bool {
         self.draft == Draft::whole(&self.frame.method) && self.lights.is_none_or(|[used, wanted]| used == wanted)
+    }
+
+    /// True if a picture of full effort comes next: only samples of each pixel's area are missing.
+    pub fn lacks_samples(&self) -> bool {
+        self.has_all() && !self.is_whole()
     }
 }
 
@@ -192,12 +214,17 @@ impl SceneRenderer {
         let (mut frame, why) = (session.frame, session.why.clone());
         let method = frame.method;
         let lights = lights(&mut frame, &session.uploaded.cloud, effort);
+        let samples = scene.image.samples;
+        if effort != Effort::Whole {
+            frame.samples = 1;
+        }
         self.chosen = Some((scene.method, method, why.clone()));
         let draft = self.draft(&method, effort, scene.image.size);
         let started = Instant::now();
         let (rendered, brightness) = self.draw(&frame, draft, effort)?;
-        // Shadows that were cast are there for the next one.
-        if rendered.facts.light_views == 0 {
+        frame.samples = rendered.image.samples.max(1);
+        // Shadows that were cast are there for the next one; drafts have one sample per pixel.
+        if rendered.facts.light_views == 0 && frame.samples == 1 {
             let ms = started.elapsed().as_secs_f64() * 1e3;
             let cost = Cost { ms, work: draft.work(&method) * self.share(draft, rendered.facts.points) };
             let costs = self.costs_of(&method).map_or_else(|| Costs::new(cost), |costs| costs.with(cost));
@@ -220,7 +247,7 @@ impl SceneRenderer {
             CloudShare { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
         });
         let subject = *subject;
-        Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, exactness, field, held })
+        Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, samples, exactness, field, held })
     }
 
     /// Returns how the last picture is written to a file, with the metadata of a scene of this name.
@@ -275,7 +302,7 @@ impl SceneRenderer {
         session.frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
         // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
         session.renderer.host_colors = !matches!(effort, Effort::Moving(_));
-        let drawn = draw(session, thinned, draft);
+        let drawn = draw(session, thinned, (draft, effort));
         session.renderer.host_colors = true;
         drawn
     }
@@ -372,7 +399,11 @@ impl SceneRenderer {
 }
 
 /// Renders what a draft has of the session's frame.
-fn draw(session: &mut Session, kept: &mut Option<ThinnedCloud>, draft: Draft) -> Result<(Rendered, Option<Applied>)> {
+fn draw(
+    session: &mut Session,
+    kept: &mut Option<ThinnedCloud>,
+    (draft, effort): (Draft, Effort),
+) -> Result<(Rendered, Option<Applied>)> {
     if let Some(points) = draft.points {
         return Ok((draw_some(session, kept, points)?, None));
     }
@@ -381,7 +412,8 @@ fn draw(session: &mut Session, kept: &mut Option<ThinnedCloud>, draft: Draft) ->
         && !session.frame.method.is_dealt()
         && shadows::casting(&session.frame, &session.uploaded.cloud).is_none();
     if !is_thinned {
-        let mut rendered = session.render()?;
+        // Only pictures of full effort have the scene's samples.
+        let mut rendered = if effort == Effort::Whole { session.first(&Silent) } else { session.render() }?;
         let brightness = session.brighten(&mut rendered)?;
         return Ok((rendered, brightness));
     }

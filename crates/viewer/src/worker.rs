@@ -310,7 +310,7 @@ impl WorkerState {
         let plan = self.stage.plan(&taken);
         let (stage, legends) = (&self.stage, &mut self.legends);
         let legend = legend.then(|| legends.of_scene(scene, || stage.legend(scene))).transpose()?;
-        let (whole, draft) = (taken.is_whole(), taken.name());
+        let (whole, lacks_samples, draft) = (taken.is_whole(), taken.lacks_samples(), taken.name());
         let image = &taken.rendered.image;
         let settled = self.stage.settled(scene);
         let shown = SceneImage { size: [image.width, image.height], scene: &settled };
@@ -345,6 +345,7 @@ impl WorkerState {
             pixels: Some(pixels),
             depths,
             whole,
+            lacks_samples,
             draft,
             accuracy: self.history.accuracy(exactness),
             method: frame.method.name(),

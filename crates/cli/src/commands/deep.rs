@@ -11,11 +11,12 @@ use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
 use pellucid_io::output::deep::{DeepLayout, Numbers, Packing, State, Writer, Written};
 use pellucid_io::output::{self, room};
-use pellucid_scene::MethodChoice;
+use pellucid_scene::{MethodChoice, Samples};
 use pellucid_session::{Prepared, Session, Uploaded};
 
 use super::bar::Bar;
 use super::headings::OUTPUT;
+use super::limit::usage;
 use super::options::{DeviceArgs, one_of};
 
 /// Order of samples, and whether the header tells it.
@@ -78,6 +79,12 @@ impl DeepArgs {
 /// Writes the samples of a scene.
 pub fn run(format: DeepFormat, device: &DeviceArgs, prepared: Prepared, output: &Path, progress: &Bar) -> Result<()> {
     let state = format.order.state;
+    if prepared.scene().image.samples != Samples::Count(1) {
+        return Err(usage(
+            "--deep holds the fragments at the center of each pixel, and can't be combined with image.samples above 1 or \
+             \"auto\"; use --samples 1",
+        ));
+    }
     deep::check(&prepared.frame(), prepared.points().splats().is_some(), state)?;
     let mut session = Session::upload(&device.open(progress)?, prepared, false, progress)?;
     session.find_opacity()?;

@@ -29,7 +29,7 @@ pub struct InputArgs {
     /// A picture (PNG, JPEG, TIFF) becomes a cloud with a point for each pixel.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// Recipe: canopy, building, indoor, heritage or model; `list` prints them.
+    /// Recipe: canopy, building, indoor, heritage, model or print; `list` prints them.
     ///
     /// A recipe sets keys of the scene file, and some also set --see-through and --view. It overrides the scene file;
     /// other options override the recipe.

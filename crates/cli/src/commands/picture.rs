@@ -6,7 +6,7 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::Rendered;
 use pellucid_engine::profile::Profile;
 use pellucid_io::output::{self, WriteOptions};
-use pellucid_session::{Clouds, Messages, Opened, Prepared, Session, Silent};
+use pellucid_session::{Clouds, Messages, Opened, Prepared, Session, SettledSamples, Silent};
 
 use super::bar::Bar;
 use super::deep;
@@ -55,7 +55,7 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar) -> Result<Profi
     // Each picture has a progress of its own.
     let phases = progress.spans();
     progress.finish_and_clear();
-    let (mut whole, mut profile) = (Some(whole), None);
+    let (mut whole, mut profile, mut settled) = (Some(whole), None, None);
     for step in 1..=count {
         let progress = progress.console.progress();
         let prepared = match whole.take_if(|_| step == count) {
@@ -69,8 +69,9 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar) -> Result<Profi
         let mut session = Session::upload(&job.args.device.open(&progress)?, prepared, false, &progress)?;
         (session.is_part, session.opacity_of_whole) = (step < count, found);
         session.decide(&progress)?;
+        session.keep_samples(settled);
         let profile = profile.get_or_insert_with(|| session.profile());
-        picture(job, session, &pattern.file(step), Some((step, count)), profile, &progress)?;
+        settled = picture(job, session, &pattern.file(step), Some((step, count)), profile, &progress)?;
     }
     let mut profile = profile.ok_or_else(|| usage(IN_FILES))?;
     profile.add_host(phases, &compilations);
@@ -78,7 +79,7 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar) -> Result<Profi
 }
 
 /// Renders and writes a picture, and adds it to a profile; `step` is its number and the number of all pictures, if it
-/// is one of several.
+/// is one of several. Returns the number of samples that was settled for it.
 fn picture(
     job: &RenderJob,
     mut session: Session,
@@ -86,7 +87,7 @@ fn picture(
     step: Option<(usize, usize)>,
     profile: &mut Profile,
     progress: &Bar,
-) -> Result<()> {
+) -> Result<Option<SettledSamples>> {
     session.renderer.timed = job.args.measure.is_asked() || progress.console.is_verbose();
     session.describe(progress);
     let own = step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}")));
@@ -99,7 +100,7 @@ fn picture(
     if step.is_none() && (session.choice.is_some() || progress.console.is_verbose()) {
         session.describe_sampling(progress)?;
     }
-    Ok(())
+    Ok(session.settled)
 }
 
 /// Writes a rendered image. List lengths and layers are as they were afterwards, if they are written or were counted

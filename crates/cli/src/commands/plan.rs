@@ -42,6 +42,7 @@ pub fn run(args: PlanArgs, console: Console) -> Result<()> {
     let prepared = args.prepare(&progress)?;
     let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;
     session.warn(&progress);
+    session.settle(&progress)?;
     let steps = session.plan()?;
     progress.finish_and_clear();
     if args.json {

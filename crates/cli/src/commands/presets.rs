@@ -37,7 +37,7 @@ const IN_THE_WAY: [(&str, &str); 3] =
 const CLASS: &str = "cloud.*.class+";
 
 /// All presets.
-const PRESETS: [Preset; 5] = [
+const PRESETS: [Preset; 6] = [
     Preset {
         name: "canopy",
         purpose: "ground, trunks and walls under trees; without classes all points become faint",
@@ -110,6 +110,13 @@ const PRESETS: [Preset; 5] = [
             ("shading.edl", "true"),
             ("shading.edl_strength", "0.5"),
         ],
+        see_through: None,
+        from_outside: false,
+    },
+    Preset {
+        name: "print",
+        purpose: "smooth edges and thin things on white paper: 16 samples of each pixel's area",
+        keys: &[("image.samples", "16"), ("image.background", "[1.0, 1.0, 1.0]")],
         see_through: None,
         from_outside: false,
     },
@@ -225,12 +232,12 @@ mod tests {
         for preset in PRESETS {
             assert_eq!(asked(preset.name), Ok(Asked::Of(preset)));
         }
-        assert!(asked("Canopy").unwrap_err().contains("canopy, building, indoor, heritage, model"));
+        assert!(asked("Canopy").unwrap_err().contains("canopy, building, indoor, heritage, model, print"));
     }
 
     #[test]
     fn keys_in_the_way_of_an_option_are_left_out() {
-        let [.., heritage, _] = &PRESETS;
+        let [.., heritage, _, _] = &PRESETS;
         let colored = |given: &[&str]| {
             let mut overrides = Overrides::default();
             heritage.apply(&mut overrides, |key| given.contains(&key)).unwrap();

@@ -96,7 +96,7 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;
     session.describe(&progress);
     // The first frame pays for pipelines and buffers.
-    let first = session.render()?;
+    let first = session.first(&progress)?;
     let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));
     let casting_ms = shadows.map(|pass| pass.gpu.as_secs_f64() * 1e3).sum::<f64>();
     if first.facts.light_views > 0 {

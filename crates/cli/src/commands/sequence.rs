@@ -74,6 +74,8 @@ pub fn run(
     let mut session = Session::open(&job.args.device.open(progress)?, prepared, progress, progress)?;
     session.describe(progress);
     session.renderer.timed = job.args.measure.is_asked() || console.is_verbose();
+    // All frames have the samples of the first one, so that nothing changes from frame to frame but the view.
+    session.settle(progress)?.into_iter().for_each(|first| session.renderer.recycle(first.image));
     let mut frames = Frames::named(job, cameras, pattern, &session);
     frames.find(pattern)?;
     let _folder = films.make_folder()?;

@@ -38,6 +38,7 @@ mod prepare_store;
 mod presets;
 mod readme;
 mod render;
+mod samples;
 mod scene_store;
 mod sequence;
 mod shadows;

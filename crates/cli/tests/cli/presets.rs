@@ -102,13 +102,13 @@ fn every_preset_draws_with_classes_and_without() {
     }
     let folder = folder();
     scan(&folder);
-    for preset in ["canopy", "building", "indoor", "heritage", "model"] {
+    for preset in ["canopy", "building", "indoor", "heritage", "model", "print"] {
         for file in ["scan.ply", "plain.ply"] {
             let (_, said) = picture(&folder, file, &["--preset", preset]);
             assert!(said.starts_with(&format!("preset {preset}:\n  ")), "{said}");
             // Classes with opacities of their own need none that is found.
             let finds = match preset {
-                "model" => false,
+                "model" | "print" => false,
                 "canopy" | "building" => file == "plain.ply",
                 _ => true,
             };

@@ -158,6 +158,54 @@ fn pictures_with_all_that_a_band_does_not_know() {
 }
 
 #[test]
+fn samples_of_a_pixels_area_have_the_bytes_of_one_process() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    let cases: [(&str, &[&str], &str); 7] = [
+        ("abuffer", &["--samples", "4"], "windows"),
+        ("points", &["--samples", "4", "--set", "shading.edl=true"], "windows"),
+        ("abuffer", &["--samples", "2", "--set", "image.color=encoded", "--background", "white"], "windows"),
+        ("stochastic", &["--samples", "4"], "ensembles"),
+        ("spbr", &["--samples", "2"], "ensembles"),
+        ("spbr", &["--samples", "2"], "windows"),
+        ("circles", &["--samples", "auto", "--set", "image.sampling_error=0.03"], "windows"),
+    ];
+    for (method, more, share) in cases {
+        let args = ["render", cloud, "--method", method, "--opacity", "0.4", "--size", "96x80", "--aov", "-q"];
+        let args = [&args[..], more].concat();
+        assert_done(&alone(&folder, &[&args[..], &["-o", "one.exr"]].concat()), method);
+        for count in [1, 3] {
+            let more = ["--share", share, "-o", "shared.exr"];
+            let more = if count == 1 { &more[2..] } else { &more };
+            let output = ranks(&folder, count, &[&args[..], more].concat()).output().expect("mpirun runs");
+            assert_done(&output, method);
+            assert!(!read(&folder, "one.exr").is_empty());
+            let same = read(&folder, "shared.exr") == read(&folder, "one.exr");
+            assert!(same, "{share} of {method} by {count}: {args:?}");
+        }
+    }
+}
+
+#[test]
+fn frames_with_samples_are_those_of_one_process_however_they_are_shared() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    let args = ["render", cloud, "--turntable", "--frames=3", "--size", "64x48", "-q", "--method", "points"];
+    let more = ["--set", "shading.edl=true", "--samples", "auto", "--set", "image.sampling_error=0.05"];
+    let args = [&args[..], &more].concat();
+    assert_done(&alone(&folder, &[&args[..], &["-o", "a_%02d.exr"]].concat()), "alone");
+    for share in ["windows", "frames"] {
+        let name = format!("{share}_%02d.exr");
+        let more = ["--share", share, "-o", &name];
+        assert_done(&ranks(&folder, 2, &[&args[..], &more].concat()).output().expect("mpirun"), "ranks");
+        for number in 0..3 {
+            let [a, b] = ["a", share].map(|name| read(&folder, &format!("{name}_{number:02}.exr")));
+            assert!(!a.is_empty() && a == b, "{share}: frame {number}");
+        }
+    }
+}
+
+#[test]
 fn frames_of_a_turntable_are_those_of_one_and_are_not_rendered_twice() {
     let folder = folder();
     let cloud = cloud(&folder);

@@ -1,5 +1,5 @@
 // Reaching every splat by its index, however many there are.
-#import splat
+#import stored_splat
 
 // Splats' colors (linear or encoded RGB, opacity) and footprints. A binding is limited (128 MiB on lavapipe), so each
 // array is bound as four parts of PART_LENGTH elements.

@@ -2,6 +2,7 @@
 #import elementary
 #import camera
 #import splat
+#import stored_splat
 #import falloff
 
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;

@@ -46,7 +46,8 @@ struct View {
     // Of Gaussians: least and most opacity of a fragment, and what is added to the variances on the screen, in square
     // pixels; 1 in the last: opacity is less by as much as that adds.
     gaussian: vec4<f32>,
-    // Pixels by which projected positions are moved, in x and y.
+    // Pixels by which projected positions are moved, in x and y. In z and w those by which splats are moved that were
+    // projected without: to the projection the most that they may be moved later on.
     shift: vec4<f32>,
 }
 

@@ -88,7 +88,7 @@ impl Applied {
 }
 
 /// Returns `true` if images of a method are brightened.
-pub(super) fn is_applied(method: &Method) -> bool {
+pub fn is_applied(method: &Method) -> bool {
     matches!(method, Method::SpbrSimplified(_)) || matches!(method, Method::Spbr(spbr) if spbr.brighten)
 }
 

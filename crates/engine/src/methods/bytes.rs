@@ -29,9 +29,10 @@ impl PassRuns<'_> {
         self.image.fragments.as_deref().unwrap_or_default()
     }
 
-    /// Returns the number of pixels of the image.
+    /// Returns the number of pixels of the image; of all of its images, where it has samples.
     pub fn pixels(&self) -> u64 {
-        u64::from(self.frame.size[0]) * u64::from(self.frame.size[1])
+        let images = if self.frame.is_mean() { self.frame.samples.into() } else { 1 };
+        u64::from(self.frame.size[0]) * u64::from(self.frame.size[1]) * images
     }
 
     /// Returns the number of bytes of a splat; `tilted` for a method whose splats lie in their tangent planes.
@@ -55,10 +56,11 @@ impl PassRuns<'_> {
     pub fn projected(&self, tilted: bool) -> Option<u64> {
         let facts = self.facts;
         let normal = if self.cloud.has_normals() || self.cloud.casting().is_some() { 16 } else { 0 };
-        let points = facts.points * (32 + 16 + normal + 8) * facts.windows.max(1);
+        let projected = facts.projected();
+        let points = projected.points * (32 + 16 + normal + 8) * projected.windows.max(1);
         // How many of them touch the image is known of both together.
         (self.name == "project/splats" && facts.gaussians == 0)
-            .then(|| points + facts.visible * (self.splat(tilted) + 16))
+            .then(|| points + projected.visible * (self.splat(tilted) + 16))
     }
 
     /// Bytes of passes that every engine has: empty pixels, the copy to the host, and shadows.

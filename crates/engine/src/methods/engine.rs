@@ -2,15 +2,17 @@
 
 use std::cell::RefCell;
 use std::ops::{Deref, Range};
+use std::rc::Rc;
 
 use crate::progress::Progress;
 
 use super::explain::Explain;
 use super::parts::{Plane, SamplePart, Sums};
+use super::shared::Shared;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::Binned;
+use crate::passes::bin::{self, Bin, Binned, Bins};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::AnswerPlace;
 use crate::passes::project::{DeviceCloud, PointExtent, Projecting, Stats};
@@ -203,6 +205,8 @@ pub(crate) struct Work<'a> {
     pub frame: &'a Frame,
     /// The window.
     pub window: Window,
+    /// What the images of a frame with samples have in common in this window; `None` if there is one image.
+    pub shared: Option<&'a Shared>,
     /// The memory that may be used.
     pub budget: Budget,
     /// Samples or ensembles to draw; none where the engine draws no random ones.
@@ -241,9 +245,34 @@ impl Work<'_> {
         }
     }
 
-    /// Projects a cloud's points to splats of the window. Returns the results by chunk.
+    /// Projects a cloud's points to splats of the window, unless those of another image of the frame serve. Returns the
+    /// results by chunk.
     pub fn project(&mut self, cloud: &mut DeviceCloud, how: &Projecting) -> Result<Projected, Error> {
-        project(self.device, cloud, (self.frame, self.window), how, self.timeline)
+        let of = (self.frame, self.window);
+        let Some(shared) = self.shared.filter(|_| how.footprint.can_move()) else {
+            return project(self.device, cloud, of, how, self.timeline);
+        };
+        if let Some(projected) = shared.projected(self.device, cloud, of, how, self.timeline)? {
+            self.note_later(|facts, _| facts.shared_projections += 1);
+            return Ok(projected);
+        }
+        let most = Some(shared.most_shift());
+        let projected = project_moving(self.device, cloud, of, how, most, self.timeline)?;
+        shared.keep_projection(cloud, (self.window, how), &projected.found);
+        Ok(projected)
+    }
+
+    /// Bins the splats of a window ([`Bins::bin`]), unless the tiles of another image of the frame serve.
+    pub fn bin(&mut self, bins: &mut Bins, job: &bin::Job<'_>) -> Result<Bin, Error> {
+        if let Some(binned) = self.shared.and_then(|shared| shared.binned(bins, job)) {
+            self.note_later(|facts, _| facts.shared_bins += 1);
+            return Ok(Bin::Done(binned));
+        }
+        let found = bins.bin(self.device, job, self.timeline)?;
+        if let (Some(shared), Bin::Done(binned)) = (self.shared, found) {
+            shared.keep_bins(bins, job, binned);
+        }
+        Ok(found)
     }
 
     /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window
@@ -270,7 +299,7 @@ impl Work<'_> {
 
     /// Adds a window to the frame's counts.
     pub fn note(&mut self, projected: &Projected, walker: Walker) {
-        let found = projected.found;
+        let found = projected.found.clone();
         self.note_later(move |facts, timeline| facts.note(&found.stats(timeline), walker));
     }
 
@@ -295,19 +324,27 @@ impl Work<'_> {
 
 /// The results of a projection by chunk, or upper bounds of them.
 pub(crate) struct Projected {
-    stats: Vec<Stats>,
+    pub(super) stats: Vec<Stats>,
     /// The results themselves.
     pub found: PendingStats,
 }
 
 /// The results of a projection, once it was submitted.
-#[derive(Clone, Copy)]
-pub(crate) struct PendingStats(AnswerPlace);
+#[derive(Clone)]
+pub(crate) enum PendingStats {
+    /// Those that the host asked for.
+    Asked(AnswerPlace),
+    /// Those of an earlier image.
+    Known(Rc<[Stats]>),
+}
 
 impl PendingStats {
     /// Returns the results by chunk.
-    pub fn stats(self, timeline: &Timeline) -> Vec<Stats> {
-        stats_of(timeline.found(self.0))
+    pub fn stats(&self, timeline: &Timeline) -> Vec<Stats> {
+        match self {
+            Self::Asked(place) => stats_of(timeline.found(*place)),
+            Self::Known(stats) => stats.to_vec(),
+        }
     }
 }
 
@@ -331,9 +368,25 @@ pub(crate) fn project(
     how: &Projecting,
     timeline: &mut Timeline,
 ) -> Result<Projected, Error> {
+    project_moving(device, cloud, (frame, window), how, None, timeline)
+}
+
+/// Projects a cloud's points like [`project`]; with `most`, to splats that are moved when they are read, by up to so
+/// many pixels ([`DeviceCloud::move_splats`]).
+fn project_moving(
+    device: &Device,
+    cloud: &mut DeviceCloud,
+    (frame, window): (&Frame, Window),
+    how: &Projecting,
+    most: Option<f32>,
+    timeline: &mut Timeline,
+) -> Result<Projected, Error> {
     cloud.make_room(device)?;
     cloud.reserve_tilts(device, how.footprint)?;
     cloud.set_view(&frame.camera, frame.size, window, how);
+    if let Some(most) = most {
+        cloud.move_splats(most);
+    }
     let mut recorder = timeline.recorder(device)?;
     cloud.record_project(&mut recorder, how)?;
     let names = ("project/stats", "project/splats");
@@ -341,7 +394,7 @@ pub(crate) fn project(
     let [width, height] = [window[2] - window[0], window[3] - window[1]];
     let most = |((_, count), s): ((u64, u64), Stats)| s.at_most(count, [width, height]);
     let stats = cloud.chunks().zip(stats_of(&answer.words)).map(most).collect();
-    Ok(Projected { stats, found: PendingStats(answer.place) })
+    Ok(Projected { stats, found: PendingStats::Asked(answer.place) })
 }
 
 /// Returns windows for a method that needs `pixel_bytes` per pixel.

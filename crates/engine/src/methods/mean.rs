@@ -4,6 +4,8 @@
 //! of which each column and each row of N × N cells has one (Hammersley). Image i is that of the same scene with every
 //! projected position moved by (½ − x, ½ − y) pixels, so that the centers of its pixels are these samples.
 
+use std::cmp::Ordering;
+
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
@@ -31,7 +33,7 @@ impl Frame {
     }
 
     /// Returns the frames of all images, that whose depths the picture has last: number N/2.
-    pub(super) fn images(&self) -> Vec<Self> {
+    pub fn images(&self) -> Vec<Self> {
         if self.samples == 1 || self.only.is_some() {
             return vec![*self];
         }
@@ -40,20 +42,30 @@ impl Frame {
         others.chain([middle]).map(|index| self.image(index)).collect()
     }
 
+    /// Returns the place of the image among those of [`Self::images`]: how many are drawn before.
+    pub(super) fn turn(&self) -> u32 {
+        let (number, middle) = (self.number(), self.samples / 2);
+        match number.cmp(&middle) {
+            Ordering::Less => number,
+            Ordering::Equal => self.samples - 1,
+            Ordering::Greater => number - 1,
+        }
+    }
+
     /// Returns the number of the image: each draws random numbers of its own.
     pub(super) fn number(&self) -> u32 {
         self.only.unwrap_or(0)
     }
 
     /// Returns `true` if the picture is a mean of several images.
-    pub(super) fn is_mean(&self) -> bool {
+    pub fn is_mean(&self) -> bool {
         self.samples > 1 && self.only.is_none()
     }
 }
 
 /// Sums over the images of a frame: of colors in linear light, as the picture shows them, of counts, and of squared
 /// standard errors. Every pixel sums its images in their order, wherever windows are cut.
-pub(super) struct Mean {
+pub struct Mean {
     samples: u32,
     /// The encoded background, where colors are blended as encoded values.
     encoded: Option<Vec3>,

@@ -5,6 +5,7 @@
 
 use super::opaque::{self, NearestSplat, Opaque};
 use crate::methods::prelude::*;
+use crate::methods::shared::Shared;
 use crate::passes::project::{POINTS_RUN, Places, PlacesGroup, PointsPush, Shaded, View, points_dispatch};
 
 pass! {
@@ -37,6 +38,7 @@ pass! {
         point_colors: Parts<[f32; 4]>,
         normals: Parts<[f32; 4]>,
         nearest: Read<[u32; 2]>,
+        last: Read<[u32; 2]>,
         into: Shared<PixelsGroup>,
     }
 }
@@ -50,6 +52,52 @@ fn nearest_variant(cull: bool, limited: bool) -> Variant {
     Variant::plain().with("RUN", POINTS_RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
 }
 
+/// The variant of `points/resolve`; `again`: over the pixels of another image of the same frame.
+fn resolve_variant(shaded: Variant, again: bool) -> Variant {
+    shaded.with("AGAIN", u32::from(again))
+}
+
+/// Images of a frame with samples whose nearest points are found at a time, at most: from the walk over the points on
+/// each costs as much as it does alone.
+const MOST_IMAGES: u64 = 8;
+
+/// Images of a frame with samples whose nearest points are found by one walk over the points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Several {
+    /// Turn of the first one.
+    pub first: u32,
+    /// Number of them.
+    pub images: u32,
+    /// Number of all images of the frame.
+    pub samples: u32,
+    /// Elements from an image's nearest points to the next one's.
+    pub stride: u32,
+}
+
+/// Elements of the nearest points of an image that others follow: each may be bound by itself.
+fn stride(pixels: u64) -> u64 {
+    pixels.next_multiple_of(64)
+}
+
+impl Several {
+    /// Returns the images from a turn on whose nearest points fit the budget, at least one.
+    fn from(first: u32, samples: u32, work: &Work<'_>) -> Self {
+        let stride = stride(work.pixels());
+        let room = work.budget.left(0).min(work.budget.binding) / (opaque::PIXEL_BYTES * stride);
+        let images = room.clamp(1, MOST_IMAGES).min(u64::from(samples - first)) as u32;
+        Self { first, images, samples, stride: stride as u32 }
+    }
+
+    fn of(self, push: PointsPush) -> PointsPush {
+        let Self { first, images, samples, stride } = self;
+        PointsPush { first_turn: first, images, samples, stride, ..push }
+    }
+
+    fn has(&self, turn: u32) -> bool {
+        (self.first..self.first + self.images).contains(&turn)
+    }
+}
+
 /// Points that are searched for the nearest ones, and how the search is dispatched.
 #[derive(Clone, Copy, Default)]
 pub struct Choice<'a> {
@@ -59,25 +107,42 @@ pub struct Choice<'a> {
     pub limits: Option<Slice<'a, u32>>,
     /// Four words for each chunk, of indirect dispatches.
     pub dispatches: Option<Slice<'a, u32>>,
+    /// Images whose nearest points are found at once.
+    pub several: Option<Several>,
 }
 
 impl Opaque {
-    /// Renders the points of a cloud whose view is set into the target; what was found, chunk by chunk.
+    /// Renders the points of a cloud whose view is set into the target; what was found, chunk by chunk: nothing for an
+    /// image whose points were found with those of an earlier one.
     pub(crate) fn render_points(
         &mut self,
         work: &mut Work<'_>,
         cloud: &DeviceCloud,
         how: &Projecting,
     ) -> Result<Vec<Stats>, Error> {
-        let (device, target, wide) = (work.device, work.target, work.switches.wide_atomics);
+        let (device, target) = (work.device, work.target);
         let pixels = work.pixels();
-        self.nearest.reserve(device, pixels)?;
+        let turn = work.frame.turn();
+        let known = work.shared.and_then(Shared::points).filter(|several| several.has(turn));
+        let several = work.shared.map(|_| known.unwrap_or_else(|| Several::from(turn, work.frame.samples, work)));
+        let found = several.map_or(pixels, |several| u64::from(several.stride) * u64::from(several.images));
+        self.nearest.reserve(device, found)?;
         let mut recorder = work.timeline.recorder(device)?;
-        let nearest = self.nearest.get().slice(0, pixels);
-        recorder.fill("project/clear", nearest, u32::MAX)?;
-        cloud.record_clear(&mut recorder)?;
-        record_nearest(&mut recorder, cloud, nearest, wide, &Choice::default())?;
-        cloud.record_stats(&mut recorder)?;
+        let nearest = self.nearest.get().slice(0, found);
+        if known.is_some() {
+            cloud.record_view(&mut recorder);
+        } else {
+            recorder.fill("project/clear", nearest, u32::MAX)?;
+            cloud.record_clear(&mut recorder)?;
+            let choice = Choice { several, ..Choice::default() };
+            record_nearest(&mut recorder, cloud, nearest, work.switches.wide_atomics, &choice)?;
+            cloud.record_stats(&mut recorder)?;
+        }
+        let place = several.map_or(0, |several| turn - several.first);
+        let of = |place: u32| {
+            let start = several.map_or(0, |several| u64::from(place) * u64::from(several.stride));
+            self.nearest.get().slice(start, pixels).cast()
+        };
         let cut = Cut::new(device, cloud.len())?;
         let resolve = Resolve {
             camera: cloud.view(),
@@ -85,14 +150,23 @@ impl Opaque {
             points_lo: cut.slices(&cloud.points_lo),
             point_colors: cut.slices(&cloud.point_colors),
             normals: cut.slices(&cloud.normals),
-            nearest: nearest.cast(),
+            nearest: of(place),
+            last: of(place.saturating_sub(1)),
             into: target.pixels(),
         };
         let push = CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
-        recorder.run(&resolve, push, &run.variant(how.shaded(cloud.has_normals()).cut(cut)))?;
+        let variant = resolve_variant(how.shaded(cloud.has_normals()).cut(cut), place > 0);
+        recorder.run(&resolve, push, &run.variant(variant))?;
         target.record_read_back(&mut recorder, pixels)?;
         work.timeline.submit(recorder, "points/nearest")?;
+        if known.is_some() {
+            work.facts.shared_projections += 1;
+            return Ok(Vec::new());
+        }
+        if let (Some(shared), Some(several)) = (work.shared, several) {
+            shared.keep_points(several);
+        }
         Ok(cloud.stats())
     }
 }
@@ -110,7 +184,8 @@ pub(super) fn record_nearest<'a>(
     let run = |chunk: usize, (_, count): (u64, u64)| {
         let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
         let dispatch = indirect.unwrap_or(points_dispatch(count));
-        Run::new(dispatch).variant(nearest_variant(cull, choice.limits.is_some()))
+        let variant = nearest_variant(cull, choice.limits.is_some());
+        Run::new(dispatch).variant(variant.with("SEVERAL", u32::from(choice.several.is_some())))
     };
     let bound = |(first, count): (u64, u64)| {
         let normals = if cull { cloud.normals.slice(first, count) } else { cloud.normals.slice(0, 1) };
@@ -119,13 +194,17 @@ pub(super) fn record_nearest<'a>(
         let places: Places<'a> = cloud.places(first, count);
         (places, normals, limits)
     };
+    let push = |chunk: usize, range: (u64, u64)| {
+        let push = PointsPush::new(chunk, range);
+        choice.several.map_or(push, |several| several.of(push))
+    };
     // All depths come before any index.
     macro_rules! record {
         ($pass:ident, $nearest:expr) => {
             for (chunk, range) in chunks() {
                 let (places, normals, limits) = bound(range);
                 let pass = $pass { places, normals, limits, nearest: $nearest };
-                recorder.run(&pass, PointsPush::new(chunk, range), &run(chunk, range))?;
+                recorder.run(&pass, push(chunk, range), &run(chunk, range))?;
             }
         };
     }
@@ -140,12 +219,18 @@ pub(super) fn record_nearest<'a>(
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let variants = || <(bool, bool)>::all().into_iter().map(|(cull, limited)| nearest_variant(cull, limited));
+    let chosen = || <(bool, bool)>::all().into_iter().map(|(cull, limited)| nearest_variant(cull, limited));
+    let variants = || {
+        let alone = chosen().map(|variant| variant.with("SEVERAL", 0));
+        alone.chain([nearest_variant(false, false).with("SEVERAL", 1)])
+    };
+    let resolved = Shaded::cut_variants().into_iter();
+    let resolved = resolved.flat_map(|shaded| [false, true].map(|again| resolve_variant(shaded.clone(), again)));
     vec![
         Shader::new::<Nearest>(variants()),
         Shader::new::<NearestDepth>(variants()),
         Shader::new::<NearestId>(variants()),
-        Shader::new::<Resolve>(Shaded::cut_variants()),
+        Shader::new::<Resolve>(resolved),
     ]
 }
 
@@ -190,7 +275,10 @@ impl Explain for PointsEngine {
         let (facts, pixels) = (pass.facts, pass.pixels());
         match pass.name {
             "project/clear" => Some(pixels * 8),
-            "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
+            "points/nearest" => {
+                let walks = facts.windows.saturating_sub(facts.shared_projections).max(1);
+                Some(facts.points * 32 * walks + facts.visible * 8)
+            }
             "points/resolve" => Some(pixels * (8 + 16 + 20)),
             _ => None,
         }

@@ -23,6 +23,8 @@ pub struct Timeline {
     pub stamps: Stamps,
     /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
+    /// The same of windows of a frame's further images ([`Self::swap_foresight`]).
+    pub further: Foresight,
     /// Commands that were recorded so far, where nobody waits for them.
     paused: Option<Paused>,
 }
@@ -47,6 +49,7 @@ impl Timeline {
             whole: None,
             stamps,
             foresight,
+            further: Foresight::default(),
             paused: None,
         }
     }
@@ -101,6 +104,16 @@ impl Timeline {
         self.progress.check()?;
         self.paused = Some(recorder.pause());
         Ok(())
+    }
+
+    /// Has the next recording go on from here, whoever waits for that.
+    pub fn put_off(&mut self, recorder: Recorder<'_>) {
+        self.paused = Some(recorder.pause());
+    }
+
+    /// Goes on with what is known of the further images of a frame, or of the first one after those: they ask less.
+    pub fn swap_foresight(&mut self) {
+        std::mem::swap(&mut self.foresight, &mut self.further);
     }
 
     /// Drops what was recorded and not submitted.

@@ -30,6 +30,7 @@ mod see_through;
 mod shaders;
 mod shadow_texture;
 mod shadows;
+mod shared;
 mod soft;
 mod soft_accuracy;
 mod soft_express;

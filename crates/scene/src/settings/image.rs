@@ -17,10 +17,10 @@ settings! {
         /// Color behind all points, in linear light; auto, the default without a scene file, is black, or white behind
         /// dark points.
         background: Background = Background::Color(Vec3::ZERO);
-        /// Samples of a pixel's area, 1, 2, 4, 8, 16, 32 or 64: the picture is the mean of so many images, each moved by
-        /// a fraction of a pixel; auto doubles them until they change the picture by less than `sampling_error`.
+        /// Samples of a pixel's area: the picture is the mean of so many images, each moved by a fraction of a pixel;
+        /// auto takes as many as it needs.
         samples: Samples = Samples::Count(1), unit "samples per pixel";
-        /// RMSE of a picture with half as many samples at which `samples = "auto"` ends.
+        /// `samples = "auto"` doubles them from 4, to 64 at most, until half as many differ by this RMSE or less.
         sampling_error: f32 = 0.003, in Range::POSITIVE, slider Slider::Powers(0.0001, 0.1);
         /// Color space of blending: linear light, or the encoded (stored) values.
         color: Option<ColorSpace> = None, without "`\"linear\"`; `\"encoded\"` where every cloud is of Gaussians";
@@ -57,13 +57,20 @@ impl Samples {
 }
 
 value! {
-    Samples => ValueKind::WordOr("auto", &ValueKind::Integer(1, MAX_SAMPLES));
-    |table, key| match table.get(key).map(|node| (node, &node.value)) {
-        Some((_, tree::Value::String(_))) => table.choice(key, &[("auto", Samples::Auto)]),
-        Some((node, tree::Value::Integer(count))) if (1..=64).contains(count) && count.count_ones() != 1 => {
-            Err(table.wrong(key, node, "1, 2, 4, 8, 16, 32, 64 or \"auto\""))
+    Samples => ValueKind::WordOr("auto", &ValueKind::OneOf(&[1, 2, 4, 8, 16, 32, 64]));
+    |table, key| {
+        let Some(node) = table.get(key) else { return Ok(None) };
+        match &node.value {
+            tree::Value::String(word) if word == "auto" => return Ok(Some(Samples::Auto)),
+            tree::Value::Integer(count) if count.count_ones() == 1 => {
+                let allowed = u32::try_from(*count).ok().filter(|count| *count <= MAX_SAMPLES);
+                if let Some(count) = allowed {
+                    return Ok(Some(Samples::Count(count)));
+                }
+            }
+            _ => {}
         }
-        _ => Ok(table.integer(key, 1, MAX_SAMPLES)?.map(Samples::Count)),
+        Err(table.wrong(key, node, "1, 2, 4, 8, 16, 32, 64 or \"auto\""))
     };
     |samples| Some(match *samples {
         Samples::Auto => Setting::from("auto"),

@@ -10,7 +10,7 @@ use pellucid_core::color::ColorSpace;
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let image = model.scene().image;
-    for (key, label) in [("background", "background"), ("color", "blended in")] {
+    for (key, label) in [("background", "background"), ("samples", "samples"), ("color", "blended in")] {
         let mut entry = controls::find(image.keys(), key).and_then(|key| controls::entry(&key, model.extent()));
         if let (Some(KeyControl { presence: Presence::Optional { without, on: false }, .. }), "color") =
             (&mut entry, key)

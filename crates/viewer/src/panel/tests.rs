@@ -62,6 +62,7 @@ fn show_picture(model: &mut Model) {
             pixels: None,
             depths: Vec::new(),
             whole: true,
+            lacks_samples: false,
             draft: String::new(),
             accuracy: History::default().accuracy(None),
             method: "soft-concentric",

@@ -61,6 +61,7 @@ fn picture(request: &Request, whole: bool) -> News {
         pixels: None,
         depths: vec![10.0; 64 * 48],
         whole,
+        lacks_samples: false,
         draft: String::new(),
         accuracy: History::default().accuracy(None),
         method: "sorted",
@@ -143,6 +144,23 @@ fn at_rest_nothing_is_left_out() {
     }
     assert!(model.is_at_rest(now + REST) && model.due_at(now + REST).is_none());
     assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn samples_come_at_rest_once_nothing_else_is_missing() {
+    let (mut model, now) = settled();
+    model.set("image.samples", Setting::Integer(4));
+    let later = now + Duration::from_secs(10);
+    let Some(Task::Show(draft)) = model.next_task(later) else { panic!("a picture is due") };
+    assert!(matches!(draft.effort, Effort::Moving(_)));
+    let News::Picture(one) = picture(&draft, false) else { unreachable!() };
+    model.take_in(News::Picture(Box::new(WindowPicture { lacks_samples: true, ..*one }))).unwrap();
+    let Some(Task::Show(whole)) = model.next_task(later + Duration::from_secs(10)) else {
+        panic!("a finer one is due")
+    };
+    assert_eq!(whole.effort, Effort::Whole);
+    model.take_in(picture(&whole, true)).unwrap();
+    assert!(model.next_task(later + Duration::from_secs(20)).is_none());
 }
 
 #[test]

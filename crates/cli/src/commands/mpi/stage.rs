@@ -85,6 +85,8 @@ impl RankScene {
         let mut session = together(ranks, open(device, prepared, by_windows, ranks, progress))?;
         // Method and opacity, too, are those of the first rank.
         session.frame = told(session.frame, ranks);
+        // So are the samples, for what other ranks write of theirs.
+        session.settled = told(session.settled, ranks);
         session.frame.depths = session.prepared.request.frame.depths;
         let job = together(ranks, job(&mut session, frames))?;
         let share = together(ranks, job.choose(wanted, ranks.count(), link))?;
@@ -231,6 +233,7 @@ fn open(device: &DeviceArgs, prepared: Prepared, by_windows: bool, ranks: &Ranks
     let mut session = Session::upload(&device, prepared, by_windows && !(is_first && follows), progress)?;
     if is_first {
         session.decide(progress)?;
+        session.settle(progress)?;
         if by_windows
             && follows
             && let arranged @ Arranged::Canonical(_) = session.assembled().arranged()

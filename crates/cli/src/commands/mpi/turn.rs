@@ -31,6 +31,20 @@ pub struct FrameTiming {
     pub gather: Duration,
 }
 
+impl Shared {
+    /// Adds what was done for an image before this one, of the same frame.
+    pub fn follow(&mut self, before: &mut Self) {
+        let Self { rendered, measured } = self;
+        let earlier = ms(before.measured.wall);
+        for (work, before) in measured.work.iter_mut().zip(std::mem::take(&mut before.measured.work)) {
+            work.follow(before, earlier);
+        }
+        measured.wall += before.measured.wall;
+        measured.gather += before.measured.gather;
+        joined(&mut rendered.facts, &measured.work);
+    }
+}
+
 /// A rank's turn in a frame.
 pub struct Turn<'a> {
     pub begin: Instant,

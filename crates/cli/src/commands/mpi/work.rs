@@ -61,21 +61,44 @@ impl RankWork {
         self.max_list = self.max_list.max(facts.max_list);
         self.visible += facts.visible;
         for pass in &profile.passes {
-            let gpu_ms = ms(pass.gpu);
-            match self.passes.iter_mut().find(|known| known.name == pass.name) {
-                Some(known) => {
-                    known.gpu_ms += gpu_ms;
-                    known.invocations = known.invocations.zip(pass.invocations).map(|(a, b)| a + b);
-                }
-                None => {
-                    self.passes.push(RankPass { name: pass.name.to_owned(), gpu_ms, invocations: pass.invocations });
-                }
-            }
+            let (name, gpu_ms) = (pass.name.to_owned(), ms(pass.gpu));
+            self.add_pass(RankPass { name, gpu_ms, invocations: pass.invocations });
         }
         if listed {
             let start = ms(profile.begin.saturating_duration_since(begin));
             let runs = profile.timeline.iter();
             self.timeline.extend(runs.map(|(run, at)| (run.name.to_owned(), start + ms(*at), ms(run.gpu))));
+        }
+    }
+
+    /// Adds what the rank did for an image before this one, of the same frame, which began `earlier` milliseconds
+    /// before.
+    pub fn follow(&mut self, before: Self, earlier: f64) {
+        let after = std::mem::replace(self, before);
+        self.windows.extend(after.windows);
+        self.samples.extend(after.samples);
+        self.frames.extend(after.frames);
+        for pass in after.passes {
+            self.add_pass(pass);
+        }
+        self.timeline.extend(after.timeline.into_iter().map(|(name, start, length)| (name, earlier + start, length)));
+        self.work_ms += after.work_ms;
+        self.waited_ms += after.waited_ms;
+        self.sent += after.sent;
+        self.received += after.received;
+        self.read += after.read;
+        self.fragments += after.fragments;
+        self.max_list = self.max_list.max(after.max_list);
+        self.visible += after.visible;
+    }
+
+    fn add_pass(&mut self, pass: RankPass) {
+        match self.passes.iter_mut().find(|known| known.name == pass.name) {
+            Some(known) => {
+                known.gpu_ms += pass.gpu_ms;
+                known.invocations = known.invocations.zip(pass.invocations).map(|(a, b)| a + b);
+            }
+            None => self.passes.push(pass),
         }
     }
 

@@ -274,7 +274,7 @@ impl Filterer {
         job: &FilterJob<'a>,
         (limits, emptied): (Option<Slice<'a, u32>>, Option<Emptied<'a>>),
     ) -> Result<(), Error> {
-        let choice = Choice { cull: job.filters.cull, limits, dispatches: emptied.map(|e| e.nearest) };
+        let choice = Choice { cull: job.filters.cull, limits, dispatches: emptied.map(|e| e.nearest), several: None };
         points::record_nearest(recorder, job.cloud, self.nearest(job), job.wide, &choice)?;
         let (nearest, tiles) = (self.nearest(job).cast(), self.tiles.get().all());
         let dispatch = emptied.map_or(job.measure_dispatch(), |e| Dispatch::Indirect(e.measure));

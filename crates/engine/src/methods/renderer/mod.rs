@@ -47,6 +47,8 @@ pub struct Renderer {
     eye_dome: EyeDomeLighting,
     /// Counts of earlier frames of one kind.
     foresight: Foresight,
+    /// The same of windows of their further images.
+    further: Foresight,
     /// The kind of those frames.
     kind: Option<FrameKind>,
     /// Duration of the submissions of the last frame.
@@ -81,6 +83,7 @@ impl Renderer {
             target: Target::new(),
             eye_dome: EyeDomeLighting::default(),
             foresight: Foresight::default(),
+            further: Foresight::default(),
             kind: None,
             submitted: Duration::ZERO,
             spare: None,
@@ -153,10 +156,11 @@ impl Renderer {
     /// Does work whose submissions are timed, with what is known of earlier frames.
     fn with_timeline<T>(&mut self, work: impl FnOnce(&mut Self, &mut Timeline) -> T) -> T {
         let mut timeline = Timeline::with(&self.progress, std::mem::take(&mut self.foresight));
+        timeline.further = std::mem::take(&mut self.further);
         timeline.stamps = if self.timed { Stamps::Passes } else { Stamps::None };
         let done = work(self, &mut timeline);
         self.submitted = timeline.submitted;
-        self.foresight = timeline.foresight;
+        (self.foresight, self.further) = (timeline.foresight, timeline.further);
         done
     }
 
@@ -399,6 +403,7 @@ impl Renderer {
         let kind = FrameKind { method: frame.method, size: frame.size, region: self.region, points: cloud.total() };
         if self.kind != Some(kind) {
             timeline.foresight.forget();
+            timeline.further.forget();
             self.kind = Some(kind);
         }
         windows.len() == 1 && self.device.info().conditional && cloud.supply().is_none()

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use super::{LONGEST, Renderer};
 use crate::methods::mean::Mean;
 use crate::methods::prelude::*;
+use crate::methods::shared::Shared;
 
 /// The work on each window of a frame.
 #[derive(Clone)]
@@ -29,6 +30,16 @@ pub(super) struct Job<'a> {
     pub learns: bool,
     /// `true` if windows are cut by rows first, because pixels are handed on row by row.
     pub by_rows: bool,
+}
+
+/// The turn of one of the images of a window.
+#[derive(Clone, Copy)]
+struct Turn<'a, 'j> {
+    job: &'a Job<'j>,
+    frame: &'a Frame,
+    /// `true` for the first image: it brings the points of the window.
+    is_first: bool,
+    shared: Option<&'a Shared>,
 }
 
 impl<'a> Job<'a> {
@@ -89,8 +100,11 @@ impl Renderer {
         let mut left: Vec<Window> = windows.iter().rev().copied().collect();
         while let Some(window) = left.pop() {
             self.target.keeps_colors &= is_whole(window, job.frame);
-            for (number, image) in job.images.iter().enumerate() {
-                match self.window(cloud, (job, image), window, timeline, facts)? {
+            let images = job.images.len() as u32;
+            let shared = (images > 1).then(|| Shared::new(images));
+            for (number, frame) in job.images.iter().enumerate() {
+                let turn = Turn { job, frame, is_first: number == 0, shared: shared.as_ref() };
+                match self.turn(cloud, turn, window, timeline, facts)? {
                     Outcome::Done => done(self, window, number)?,
                     // Its halves begin with the first image again.
                     Outcome::Overflow => {
@@ -126,20 +140,39 @@ impl Renderer {
         Ok(())
     }
 
+    /// Renders or surveys a window of an image. Further images of a frame are foreseen by themselves.
+    fn turn(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        turn: Turn<'_, '_>,
+        window: Window,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        if turn.is_first {
+            return self.window(cloud, turn, window, timeline, facts);
+        }
+        timeline.swap_foresight();
+        let outcome = self.window(cloud, turn, window, timeline, facts);
+        timeline.swap_foresight();
+        outcome
+    }
+
     /// Renders or surveys a window. The counts of a window that must be cut are dropped. A window whose counts were
     /// predicted wrongly is rendered once more.
     fn window(
         &mut self,
         cloud: &mut DeviceCloud,
-        (job, frame): (&Job<'_>, &Frame),
+        turn: Turn<'_, '_>,
         window: Window,
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
+        let job = turn.job;
         timeline.foresight.begin(!job.learns || self.submitted > LONGEST);
         loop {
             let before = facts.clone();
-            let outcome = self.attempt(cloud, (job, frame), window, timeline, facts);
+            let outcome = self.attempt(cloud, turn, window, timeline, facts);
             timeline.drop_paused();
             let waited = timeline.foresight.knowledge() == Knowledge::None;
             match outcome {
@@ -166,19 +199,26 @@ impl Renderer {
     fn attempt(
         &mut self,
         cloud: &mut DeviceCloud,
-        (job, frame): (&Job<'_>, &Frame),
+        Turn { job, frame, is_first, shared }: Turn<'_, '_>,
         window: Window,
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
-        if self.bring(cloud, job, window, timeline)? == Outcome::Overflow {
-            return Ok(Outcome::Overflow);
+        if is_first {
+            shared.into_iter().for_each(Shared::forget);
+            if self.bring(cloud, job, window, timeline)? == Outcome::Overflow {
+                return Ok(Outcome::Overflow);
+            }
         }
         let (mut work, buffers) = self.work((job, frame), window, timeline, facts);
+        work.shared = shared;
         let outcome = job.engine.render(cloud, buffers, &mut work)?;
         if outcome == Outcome::Done {
             for note in std::mem::take(&mut work.later) {
                 note(work.facts, work.timeline);
+            }
+            if is_first {
+                shared.into_iter().for_each(|shared| shared.settle(work.timeline));
             }
         }
         Ok(outcome)
@@ -196,6 +236,7 @@ impl Renderer {
             device: &self.device,
             frame,
             window,
+            shared: None,
             budget: job.budget,
             samples: job.samples.clone(),
             sums: job.sums,

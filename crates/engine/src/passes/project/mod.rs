@@ -239,18 +239,24 @@ group! {
 }
 
 gpu_struct! {
-    /// Push constants: points of the chunk, its number, and the index of its first point among all.
+    /// Push constants: points of the chunk, its number, and the index of its first point among all; and, of passes over
+    /// several images of a frame, which.
     pub struct PointsPush {
         count: u32, // Points of the chunk, its number, and the index of its first point among all.
         chunk: u32,
         first: u32,
+        first_turn: u32, // The first image in work, how many are, and how many the frame has.
+        images: u32,
+        samples: u32,
+        stride: u32, // From a pixel of an image to the same of the next.
     }
 }
 
 impl PointsPush {
     /// Creates those of a chunk with so many points from the first one.
     pub fn new(chunk: usize, (first, count): (u64, u64)) -> Self {
-        Self { count: count as u32, chunk: chunk as u32, first: first as u32 }
+        let (count, chunk, first) = (count as u32, chunk as u32, first as u32);
+        Self { count, chunk, first, first_turn: 0, images: 1, samples: 1, stride: 0 }
     }
 }
 
@@ -267,8 +273,15 @@ pub fn points_dispatch(count: u64) -> Dispatch<'static> {
 const PROJECT_RUN: u64 = 8;
 
 impl DeviceCloud {
-    /// Records the projection of all chunks; [`Self::found`] then holds what it found.
+    /// Records the projection of all chunks; [`Self::found`] then holds what it found. From there on the view holds
+    /// that was set.
     pub fn record_project<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
+        self.record_chunks(recorder, how)?;
+        self.record_moved_view(recorder);
+        Ok(())
+    }
+
+    fn record_chunks<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
         self.record_clear(recorder)?;
         // Without a field F is 0 everywhere: all points are solid, and nobody asks for soft ones.
         let part = if self.has_fields { how.part } else { CloudPart::All };
@@ -347,7 +360,7 @@ impl DeviceCloud {
 
     /// Records the view, and that nothing has been found yet.
     pub fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        self.record_view(recorder);
+        self.record_projecting_view(recorder);
         recorder.fill("project/clear", self.stats.all(), 0)
     }
 

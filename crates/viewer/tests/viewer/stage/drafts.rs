@@ -174,3 +174,32 @@ fn lights_of_an_area_come_one_by_one() {
         assert_eq!(taken.lights, Some([1, 10]));
     });
 }
+
+#[test]
+fn the_area_of_a_pixel_is_for_pictures_at_rest() {
+    with_device(|device| {
+        let clouds = clouds();
+        let mut stage = stage(device, clouds.clone());
+        let mut document = document();
+        document.put("image.samples", Setting::Integer(4)).unwrap();
+        let scene = document.set("method.name", Setting::Word("points".into())).unwrap();
+        for effort in [Effort::Moving(1e9), Effort::Refining(1e9)] {
+            let taken = stage.take(&scene, Pose::Scene, effort).unwrap();
+            assert_eq!((taken.frame.samples, taken.is_whole(), taken.lacks_samples()), (1, false, true));
+            assert_eq!(taken.name(), "whole, 1 sample per pixel");
+        }
+        let live = stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+        assert_eq!((live.frame.samples, live.is_whole(), live.lacks_samples()), (4, true, false));
+        assert_eq!(live.name(), "whole, 4 samples per pixel");
+        let mut other = self::stage(device, clouds.clone());
+        assert_same(&live, &fresh(&mut other, device, &clouds, &scene), "after drafts");
+        // As many as it takes, down to none that differ: 64.
+        document.put("image.samples", Setting::Word("auto".into())).unwrap();
+        let scene = document.set("image.sampling_error", Setting::Number(1e-9)).unwrap();
+        let settled = stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+        assert_eq!((settled.frame.samples, settled.rendered.image.samples, settled.is_whole()), (64, 64, true));
+        let options = stage.write_options("scene".to_owned(), None).unwrap();
+        let samples = options.metadata.iter().find(|(key, _)| key == "pellucid:samples").map(|(_, value)| value);
+        assert!(samples.is_some_and(|text| text.contains("\"samples\":64")), "{samples:?}");
+    });
+}

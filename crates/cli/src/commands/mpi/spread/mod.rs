@@ -47,6 +47,7 @@ pub fn open(
     progress.begin(Phase::Upload);
     let mut session = Session::upload(&all.device(device)?, prepared, by_windows, progress)?;
     session.decide(progress)?;
+    session.settle(progress)?;
     session.frame.depths = session.prepared.request.frame.depths;
     let parts = session.frame.method.threshold().map(|threshold| {
         session.uploaded.cloud.find_parts(threshold, progress)?;

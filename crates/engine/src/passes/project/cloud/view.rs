@@ -94,7 +94,34 @@ impl DeviceCloud {
         };
         self.opacity_factor = how.opacity_factor;
         self.depth_origin = eye_hi[3];
-        self.view_host = view;
+        (self.view_host, self.unmoved_view) = (view, None);
+        self.views += 1;
+    }
+
+    /// Has splats projected without the shift of the view that was set last, and moved by it when they are read; their
+    /// rectangles hold for shifts up to `most` pixels in x and y.
+    pub fn move_splats(&mut self, most: f32) {
+        let [x, y, ..] = self.view_host.shift;
+        self.unmoved_view = Some(View { shift: [0.0, 0.0, most, most], ..self.view_host });
+        self.view_host.shift = [x, y, x, y];
+    }
+
+    /// Returns how often a view was set: whoever sets one may change splats.
+    pub fn views(&self) -> u64 {
+        self.views
+    }
+
+    /// Records the view by which points are projected.
+    pub(in crate::passes::project) fn record_projecting_view<'a>(&'a self, recorder: &mut Recorder<'a>) {
+        let view = self.unmoved_view.unwrap_or(self.view_host);
+        recorder.update(self.view.all().cast(), bytemuck::cast_slice(&[view]));
+    }
+
+    /// Records the view by which splats are read, if that is another one.
+    pub(in crate::passes::project) fn record_moved_view<'a>(&'a self, recorder: &mut Recorder<'a>) {
+        if self.unmoved_view.is_some() {
+            self.record_view(recorder);
+        }
     }
 
     /// Records that the view of the last [`Self::set_view`] holds from here on.
