@@ -11,7 +11,7 @@ from . import _pellucid
 from ._camera import Camera
 from ._progress import listening
 from ._renderer import Loaded, Renderer, Sharing, _load, above_zero, positive, prepared, whole
-from ._settings import _seed
+from ._settings import _seed, picture_against
 from ._types import Accuracy, Path, Progress, Samples, Size
 
 if TYPE_CHECKING:
@@ -83,8 +83,8 @@ def render(
         ``background="white"``. If several tables have a key, put the table before it, as in ``shadows__samples=4``,
         ``cloud__0__color`` or ``method__size``. A whole table is a dict, as in ``shading={"model": "none"}``. These options of the
         command line are also accepted: ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``,
-        ``without``; ``slices={"z": (2, 4)}``; ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory``,
-        in bytes or as a text such as "4GiB".
+        ``without``; ``slices={"z": (2, 4)}``; ``see_through``, ``max_error``, ``budget_ms``, ``against="area"``;
+        ``memory_budget`` and ``host_memory``, in bytes or as a text such as "4GiB".
 
     Returns
     -------
@@ -169,6 +169,7 @@ def tradeoff(
     quick: bool = False,
     only: Sequence[str] = (),
     seconds: float | None = None,
+    against: str = "center",
     folder: Path | None = None,
     opacity: float | None = None,
     method: str = "auto",
@@ -190,6 +191,9 @@ def tradeoff(
         Names of methods. By default, all methods that apply.
     seconds
         Approximate rendering time in seconds, above 0. By default 360, or 55 with ``quick``.
+    against
+        "center" for errors against the exact image with the scene's samples; "area" for errors against the exact image with 64
+        samples in a pixel, of each setting with 1, 4 and 16 samples.
     folder
         Folder for report.html, tables, figures and pictures. By default, they are thrown away. An interrupted run continues from
         what the folder holds.
@@ -206,7 +210,8 @@ def tradeoff(
         if name not in known:
             raise ValueError(f"only: expected names of methods ({', '.join(known)}), found {name!r}")
     limit = None if seconds is None else above_zero("seconds", seconds)
-    extent = {"quick": bool(quick), "only": names, "seconds": limit, "command": "pellucid.tradeoff()"}
+    picture = picture_against(against)
+    extent = {"quick": bool(quick), "only": names, "seconds": limit, "against": picture, "command": "pellucid.tradeoff()"}
     arguments = _arguments(opacity, method, camera, size, samples, settings)
     with (
         Sharing(device) as renderer,

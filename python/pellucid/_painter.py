@@ -29,7 +29,7 @@ _FEW_POINTS = 50_000
 _FIRST_MS = 250.0
 
 # Arguments by which the first frame finds an opacity, a method and its settings; each frame would do so anew.
-_SEARCHES = ("see_through", "max_error", "budget_ms")
+_SEARCHES = ("see_through", "max_error", "budget_ms", "against")
 
 # Seconds that Ctrl-C waits for the thread to end, which it may do later, too.
 _PATIENCE_S = 0.1

@@ -22,7 +22,7 @@ TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", 
 
 # Options of the command line that are no keys of a scene file.
 _DIRECTIONS = ("view", "azimuth", "elevation")
-_LIMITS = ("see_through", "max_error", "budget_ms", "memory_budget", "host_memory")
+_LIMITS = ("see_through", "max_error", "budget_ms", "against", "memory_budget", "host_memory")
 _SHORT = ("class_opacity", "classes", "without", "slices")
 
 # Arguments that are no keys: columns of an array of points, and what belongs to a call.
@@ -199,7 +199,7 @@ def asked(settings: Mapping[str, Any]) -> Asked:
         elif name in _DIRECTIONS:
             found.direction[name] = str(value) if name == "view" else _number(name, value)
         elif name in _LIMITS:
-            found.limits[name] = value if name in _BYTES else _number(name, value)
+            found.limits[name] = _limit(name, value)
         elif name in _SHORT:
             found.changes.extend(_short(name, value))
         elif name in TABLES:
@@ -209,6 +209,19 @@ def asked(settings: Mapping[str, Any]) -> Asked:
     if places(found.changes):
         one_view(found.direction)
     return found
+
+
+def _limit(name: str, value: Any) -> Any:
+    if name == "against":
+        return picture_against(value)
+    return value if name in _BYTES else _number(name, value)
+
+
+def picture_against(value: Any) -> str:
+    """Return the picture that errors are measured against, or raise ValueError."""
+    if value not in ("center", "area"):
+        raise ValueError(f"against: expected 'center' or 'area', found {value!r}")
+    return str(value)
 
 
 def check_name(name: str) -> None:

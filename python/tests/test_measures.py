@@ -86,6 +86,15 @@ def test_a_tradeoff_compares_methods(renderer, tmp_path):
     assert len(found.to_pandas()) == len(found.rows)
 
 
+def test_a_tradeoff_against_the_area_has_samples(renderer):
+    found = pellucid.tradeoff(BLADE, quick=True, only=["abuffer"], size=SIZE, opacity=0.3, against="area", seconds=100)
+    assert found.json["against"] == "area"
+    settings = {row.setting: row.rmse for row in found.rows}
+    assert settings["image.samples=1"] > settings["image.samples=4"] > 0.0
+    with pytest.raises(ValueError, match="against: expected 'center' or 'area'"):
+        pellucid.tradeoff(BLADE, against="edge")
+
+
 def test_an_interrupted_tradeoff_says_so_whatever_becomes_of_its_folder(renderer, points, monkeypatch, tmp_path):
     class Interrupted:
         """Stand-in for the native scene."""

@@ -328,6 +328,20 @@ def test_a_budget_of_error_chooses_a_method(renderer, points):
     assert pellucid.compare(exact, chosen).rmse <= 0.02
 
 
+def test_against_the_area_the_samples_are_chosen_too(renderer, points):
+    scene = {"radius": 0.4, "opacity": 0.3, "size": SIZE}
+    area, four, one = (pellucid.render(points, method="abuffer", samples=n, **scene) for n in (64, 4, 1))
+    least = pellucid.compare(area, four).rmse
+    assert least < pellucid.compare(area, one).rmse
+    chosen = pellucid.render(points, max_error=1.01 * least, against="area", **scene)
+    choice = json.loads(chosen.metadata["pellucid:choice"])
+    assert choice["against"] == "area"
+    assert 1 < choice["samples"] <= 4
+    assert pellucid.compare(area, chosen).rmse <= 1.01 * least
+    with pytest.raises(ValueError, match="against: expected 'center' or 'area', found 'edge'"):
+        pellucid.render(points, max_error=0.1, against="edge", **scene)
+
+
 def test_settings_without_effect_are_warned_of(renderer, points):
     with pytest.warns(pellucid.PellucidWarning, match=r"samples|method\.samples") as caught:
         pellucid.render(points, method__samples=4, method="abuffer", size=SIZE)

@@ -6,7 +6,7 @@ use std::time::Instant;
 use pellucid_engine::methods::{Frame, Stop};
 use pellucid_engine::profile;
 use pellucid_io::output;
-use pellucid_lab::report::tradeoff::{self, MeasuredScene, Options};
+use pellucid_lab::report::tradeoff::{self, Against, MeasuredScene, Options};
 use pellucid_session::candidates::{self, Formation};
 use pellucid_session::{Measuring, Messages, Session};
 use pyo3::prelude::*;
@@ -65,6 +65,8 @@ pub struct TradeoffExtent {
     quick: bool,
     only: Vec<String>,
     seconds: Option<f64>,
+    /// Word for the picture that errors are measured against.
+    against: String,
     /// Name of the function that was called, for the report.
     command: String,
 }
@@ -112,8 +114,9 @@ pub fn tradeoff(
         cameras: &[],
     };
     output::check_report_folder(folder)?;
-    let TradeoffExtent { quick, only, seconds, command } = extent;
+    let TradeoffExtent { quick, only, seconds, against, command } = extent;
     let options = Options::new(*quick, begin, only.clone(), *seconds, command.clone());
+    let options = Options { against: Against::from_word(against).unwrap_or_default(), ..options };
     let report = tradeoff::run(&session.device, &subject, &options, folder, &talk.progress)?;
     talk.progress.set_message("writing the report");
     tradeoff::write(folder, &report)?;

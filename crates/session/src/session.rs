@@ -323,13 +323,19 @@ impl Session {
 
     /// Returns `true` as long as the number of samples is to be found.
     fn is_unsettled(&self) -> bool {
-        self.scene().image.samples == Samples::Auto && self.settled.is_none()
+        self.scene().image.samples == Samples::Auto && self.settled.is_none() && self.chosen_samples().is_none()
     }
 
     /// Renders further frames with the samples that were settled for another one, if any were.
     pub fn keep_samples(&mut self, settled: Option<SettledSamples>) {
         self.settled = settled;
-        self.frame.samples = settled.map_or_else(|| self.scene().image.samples.count(), |settled| settled.samples);
+        let given = || self.chosen_samples().unwrap_or_else(|| self.scene().image.samples.count());
+        self.frame.samples = settled.map_or_else(given, |settled| settled.samples);
+    }
+
+    /// Returns the samples of a pixel that were chosen with the method, if any were.
+    fn chosen_samples(&self) -> Option<u32> {
+        self.choice.as_ref()?.samples
     }
 
     /// Returns an image as its picture shows it, in linear light.

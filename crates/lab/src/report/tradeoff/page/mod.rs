@@ -63,7 +63,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, cr
         p {
             "The Pareto front, fastest first: no other setting is at least as fast and as accurate and better in one of "
             "the two."
-            @if let Some(area) = &report.area { " Beside the errors of methods stands that of the samples. " (area.text()) "." }
+            @if let Some(area) = &report.area { " Beside the errors of methods stands that of the samples (" (area.text()) ")." }
         }
         (front(report))
         @if !report.findings.is_empty() {
