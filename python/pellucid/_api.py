@@ -344,7 +344,8 @@ def view(
     A double click brings back the first view.
 
     While something moves, pictures have one of the ``samples`` of each pixel's area, and as many random samples, pixels and points
-    as fit in ``frame_ms``. At rest, they become finer until nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS Code).
+    as fit in ``frame_ms``. At rest, they become finer until nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`,
+    and a notebook (JupyterLab, Jupyter Notebook, VS Code).
     Elsewhere, the result is the picture of `render`. Raises what `render` raises.
 
     Parameters

@@ -31,7 +31,10 @@ CASES = {
         {"opacity": 0.3, "method": "abuffer", "samples": 4, "fragments": True},
         ["--opacity", "0.3", "--method", "abuffer", "--samples", "4", "--aov"],
     ),
-    "samples as many as it takes": ({"samples": "auto", "sampling_error": 0.05}, ["--samples", "auto", "--set", "image.sampling_error=0.05"]),
+    "samples as many as it takes": (
+        {"samples": "auto", "sampling_error": 0.05},
+        ["--samples", "auto", "--set", "image.sampling_error=0.05"],
+    ),
     "seen from aside": (
         {"view": "left", "elevation": 20, "background": "white", "color_by": "height", "colormap": "magma"},
         ["--view", "left", "--elevation", "20", "--background", "white", "--color-by", "height", "--colormap", "magma"],

@@ -16,12 +16,15 @@ LOOK = {"opacity": 0.3, "method": "abuffer", "size": SIZE}
 def test_counts_are_means_of_whole_numbers_and_whole_for_one_sample(renderer, points) -> None:
     one = pellucid.render(points, fragments=True, **LOOK)
     assert one.samples == 1
-    assert one.fragments is not None and one.fragments.dtype == np.uint32
+    assert one.fragments is not None
+    assert one.fragments.dtype == np.uint32
     four = pellucid.render(points, fragments=True, samples=4, **LOOK)
     assert four.samples == 4
-    assert four.fragments is not None and four.fragments.dtype == np.float32
+    assert four.fragments is not None
+    assert four.fragments.dtype == np.float32
     sums = 4 * four.fragments
-    assert (sums == np.round(sums)).all() and (sums % 4 != 0).any()
+    assert (sums == np.round(sums)).all()
+    assert (sums % 4 != 0).any()
 
 
 def test_the_argument_and_the_key_are_the_same_samples(renderer, points) -> None:
@@ -53,7 +56,7 @@ def test_wrong_numbers_are_named(renderer, points) -> None:
     for wrong in (3, 0, 128, "many", 2.5):
         with pytest.raises(pellucid.SceneError, match=r"samples=.*1, 2, 4, 8, 16, 32, 64"):
             pellucid.render(points, samples=wrong, **LOOK)
-    with pytest.raises(ValueError, match="of the picture|samples"):
+    with pytest.raises(ValueError, match="samples"):
         pellucid.render(points, samples=[4, 4], **LOOK)
 
 

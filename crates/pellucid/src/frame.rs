@@ -26,8 +26,8 @@ pub struct FrameBuilder<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Samples {
-    /// As many as it takes: they double from 4 until the picture changes by less than `image.sampling_error` (RMSE), to 64
-    /// at most.
+    /// As many as it takes: they double from 4 until the picture changes by `image.sampling_error` (RMSE) or less, to
+    /// 64 at most.
     Auto,
     /// This number: 1, 2, 4, 8, 16, 32 or 64.
     Count(u32),
@@ -76,9 +76,9 @@ impl<'a> FrameBuilder<'a> {
         Self { size: Some([width, height]), ..self }
     }
 
-    /// Sets the samples of each pixel's area, by default those of the scene, else 1: the center alone. The picture is the
-    /// mean of so many images, each moved by a fraction of a pixel: edges are smooth, and points smaller than a pixel have
-    /// their share of it.
+    /// Sets the samples of each pixel's area, by default those of the scene, else 1: the center alone. The picture is
+    /// the mean of so many images, each moved by a fraction of a pixel: edges are smooth, and points smaller than a
+    /// pixel have their share of it.
     pub fn samples(self, samples: impl Into<Samples>) -> Self {
         Self { samples: Some(samples.into()), ..self }
     }
@@ -144,9 +144,9 @@ impl<'a> FrameBuilder<'a> {
     /// Renders the frame.
     ///
     /// # Errors
-    /// Returns an error for a number of samples other than 1, 2, 4, 8, 16, 32 and 64, for a camera without a view (eye and target coincide, `up` along the view, a wrong angle), for
-    /// a frame that does not fit in the device or the budget, if the device fails, and if an observer canceled the
-    /// work.
+    /// Returns an error for a number of samples other than 1, 2, 4, 8, 16, 32 and 64, for a camera without a view (eye
+    /// and target coincide, `up` along the view, a wrong angle), for a frame that does not fit in the device or the
+    /// budget, if the device fails, and if an observer canceled the work.
     pub fn render(self) -> Result<Picture> {
         let Self { loaded, frame, camera, size, samples, method, largest_rmse, longest_time } = self;
         let Loaded { session, scene, watcher } = loaded;

@@ -125,7 +125,8 @@ mod tests {
         assert_eq!((settled.samples, settled.meets()), (64, false));
         assert_eq!(
             settled.text(),
-            "64 samples per pixel, the most there are, differ from 32 by an RMSE of 7.07e-1, above image.sampling_error = 0.003"
+            "64 samples per pixel, the most there are, differ from 32 by an RMSE of 7.07e-1, above image.sampling_error = \
+             0.003"
         );
     }
 

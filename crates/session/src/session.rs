@@ -453,8 +453,8 @@ impl Session {
         self.warn(messages);
     }
 
-    /// Says which opacity was found, if one was looked for. Where the number of samples is still to be found, so is the
-    /// opacity for it.
+    /// Says which opacity was found, if one was looked for. Where the number of samples is still to be found, so is
+    /// the opacity for it.
     pub fn describe_opacity(&self, messages: &dyn Messages) {
         if let Some(share) = self.prepared.see_through().filter(|_| !self.is_unsettled()) {
             notes::describe_opacity(share, self.found, &self.prepared, messages);

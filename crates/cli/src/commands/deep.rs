@@ -81,8 +81,8 @@ pub fn run(format: DeepFormat, device: &DeviceArgs, prepared: Prepared, output: 
     let state = format.order.state;
     if prepared.scene().image.samples != Samples::Count(1) {
         return Err(usage(
-            "--deep holds the fragments at the center of each pixel, and can't be combined with image.samples above 1 or \
-             \"auto\"; use --samples 1",
+            "--deep holds the fragments at the center of each pixel, and can't be combined with image.samples above 1 \
+             or \"auto\"; use --samples 1",
         ));
     }
     deep::check(&prepared.frame(), prepared.points().splats().is_some(), state)?;

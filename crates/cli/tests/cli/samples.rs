@@ -84,7 +84,8 @@ fn sixty_four_samples_that_are_too_few_are_a_warning() {
     let scene = ["render", "garden/scene.toml", "--size", "16x12", "--method", "points"];
     let more = ["--samples", "auto", "--set", "image.sampling_error=1e-7", "-o", "a.png"];
     let (_, said) = spoken(&folder, &[&scene[..], &more].concat());
-    assert!(said.contains("warning: 64 samples per pixel, the most there are, differ from 32 by an RMSE of"), "{said}");
+    let warning = "warning: 64 samples per pixel, the most there are, differ from 32 by an RMSE of";
+    assert!(said.contains(warning), "{said}");
     let found = told(&folder, "a.png").unwrap();
     assert!(found["samples"] == 64 && found["sampling_error"].as_f64().unwrap() > 1e-7, "{found}");
     assert!(said.contains("above image.sampling_error = 0.0000001"), "{said}");

@@ -75,6 +75,19 @@ fn every_method_has_the_same_bytes_from_spread_points() {
 }
 
 #[test]
+fn samples_of_a_pixels_area_have_the_same_bytes_from_spread_points() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    for more in [
+        &["--method", "points", "--samples", "4", "--set", "shading.edl=true", "--aov"][..],
+        &["--method", "abuffer", "--opacity", "0.4", "--samples", "2", "--aov"],
+        &["--method", "circles", "--samples", "auto", "--set", "image.sampling_error=0.03"],
+    ] {
+        assert_eq!(differing(&folder, cloud, more, &[3]), [0usize; 0], "{more:?}");
+    }
+}
+
+#[test]
 fn stores_are_read_by_one_rank_block_by_block() {
     let folder = folder();
     let store = store(&folder);

@@ -79,8 +79,8 @@ fn the_json_is_the_documented_one() {
         "device": { "name": "a device", "driver": "a driver", "timestamp_period_ns": 0.5 },
         "method": "peel",
         "steady": true,
-        "scene": { "points": 5, "pixels": 12, "samples": 1, "fragments": 30, "max_list": 4, "list_histogram": [[0, 4], [3, 2], [4, 6]],
-                   "nodes_read": 3, "bytes_read": 700 },
+        "scene": { "points": 5, "pixels": 12, "samples": 1, "fragments": 30, "max_list": 4,
+                   "list_histogram": [[0, 4], [3, 2], [4, 6]], "nodes_read": 3, "bytes_read": 700 },
         "memory": { "peak_device_bytes": 1_048_576, "peak_host_bytes": 2_097_152, "fragment_bytes": 240, "bands": 2 },
         "host": [
             { "name": "read", "ms": 5.0 },

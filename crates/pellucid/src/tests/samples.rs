@@ -4,8 +4,8 @@ use pellucid::{Camera, Cloud, ErrorKind, Renderer, Result, Samples, Scene};
 use pellucid_testing::has_device;
 
 /// A disc of 500 pixels whose left edge cuts a column of pixels at a quarter of their width: it strays by less than
-/// 4²/(2 · 500) of a pixel within the picture. Of N columns of samples, none so near that edge, ¾ are covered where N is
-/// a multiple of 4, and a half of 2, of which one lies on the edge's outer side.
+/// 4²/(2 · 500) of a pixel within the picture. Of N columns of samples, none so near that edge, ¾ are covered where N
+/// is a multiple of 4, and a half of 2, of which one lies on the edge's outer side.
 #[test]
 fn a_pixel_that_is_three_quarters_covered_has_three_quarters_of_the_opacity() -> Result<()> {
     if !has_device() {

@@ -17,10 +17,11 @@ settings! {
         /// Color behind all points, in linear light; auto, the default without a scene file, is black, or white behind
         /// dark points.
         background: Background = Background::Color(Vec3::ZERO);
-        /// Samples of a pixel's area: the picture is the mean of so many images, each moved by a fraction of a pixel;
-        /// auto takes as many as it needs.
+        /// Samples of a pixel's area: images, each moved by a fraction of a pixel, whose mean is shown; auto: as many
+        /// as it takes.
         samples: Samples = Samples::Count(1), unit "samples per pixel";
-        /// `samples = "auto"` doubles them from 4, to 64 at most, until half as many differ by this RMSE or less.
+        /// RMSE between the picture and one with half as many samples at which `samples = "auto"` ends; it doubles
+        /// them from 4 to 64.
         sampling_error: f32 = 0.003, in Range::POSITIVE, slider Slider::Powers(0.0001, 0.1);
         /// Color space of blending: linear light, or the encoded (stored) values.
         color: Option<ColorSpace> = None, without "`\"linear\"`; `\"encoded\"` where every cloud is of Gaussians";
