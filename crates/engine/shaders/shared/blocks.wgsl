@@ -2,6 +2,7 @@
 // the same few. Splats are taken one per invocation; a ballot says which of them may touch a block, and these are
 // handed to all invocations one by one by shuffles. The stage binds `view`.
 #import splat
+#import middle
 
 // Pixels of a block that an invocation holds, blocks of a tile in x and y.
 const HELD = BLOCK_SIDE * BLOCK_SIDE / SUBGROUP;

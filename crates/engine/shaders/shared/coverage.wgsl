@@ -1,6 +1,7 @@
 // The pixels that a splat covers: the one statement of the coverage rule. The stage binds `view`.
 #import splat
 #import gaussian
+#import middle
 
 struct Coverage {
     hit: bool,

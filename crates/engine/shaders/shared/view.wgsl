@@ -50,11 +50,6 @@ struct View {
     shift: vec4<f32>,
 }
 
-// Where the viewing axis meets the image, in pixels: exact, since shifts are multiples of 1/128.
-fn middle_of_image() -> vec2<f32> {
-    return 0.5 * vec2<f32>(view.size) + view.shift.xy;
-}
-
 // Place of a pixel in the buffers of the rectangle in work.
 fn window_index(pixel: vec2<u32>, window: vec4<u32>) -> u32 {
     return (pixel.y - window.y) * (window.z - window.x) + pixel.x - window.x;

@@ -37,7 +37,13 @@ fn defaults_are_those_of_the_contract() {
     let scene = read(CLOUD).unwrap();
     assert_eq!(
         scene.image,
-        ImageSettings { size: [1024, 1024], background: Background::Color(Vec3::ZERO), color: None }
+        ImageSettings {
+            size: [1024, 1024],
+            background: Background::Color(Vec3::ZERO),
+            samples: Samples::Count(1),
+            sampling_error: 0.003,
+            color: None,
+        }
     );
     assert_eq!(scene.method, MethodChoice::default());
     assert_eq!(scene.shading, Shading::default());
