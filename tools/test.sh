@@ -79,7 +79,7 @@ device_suites=(gpu cli)
 # and examples are among them. `cargo test` without any target would build all examples, which clippy does faster.
 # `lab` is the last suite: it uses the device, too, and takes as long as all others.
 units=(--lib)
-for name in drivers gpu-shape layers-experiments soft-experiments spbr-experiments study; do units+=(--example "$name"); done
+for name in drivers gpu-shape layers-experiments samples-experiments soft-experiments spbr-experiments study; do units+=(--example "$name"); done
 other_suites=()
 for name in $(binaries | sort -u); do
     if [[ " lab ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi

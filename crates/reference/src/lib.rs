@@ -19,6 +19,7 @@ pub mod opaque;
 pub mod peel;
 pub mod peel_layers;
 pub mod range;
+pub mod samples;
 pub mod scan;
 pub mod shading;
 pub mod shadows;

@@ -6,6 +6,8 @@
 
 use std::ops::Add;
 
+use super::ReferencePicture;
+
 /// The largest relative error of one rounding to float32: half a unit in the last place of a number just above 1.
 pub const ROUNDING: f64 = 1.0 / 16_777_216.0;
 
@@ -128,6 +130,17 @@ pub struct PictureRange {
 }
 
 impl PictureRange {
+    /// Returns a picture of which roundings decide nothing: its depths are off by at most this share of themselves.
+    pub fn of_picture(picture: &ReferencePicture, depth_error: f64) -> Self {
+        let depth = |z: &f64| if z.is_finite() { Range::around(*z, depth_error * z.abs()) } else { Range::only(*z) };
+        Self {
+            width: picture.width,
+            rgba: picture.rgba.iter().map(|rgba| rgba.map(Range::only)).collect(),
+            depth: picture.depth.iter().map(depth).collect(),
+            counts: picture.counts.iter().map(|count| Range::only(f64::from(*count))).collect(),
+        }
+    }
+
     /// Appends a pixel.
     pub fn push(&mut self, rgba: ColorRange, depth: Range, count: Range) {
         self.rgba.push(rgba);

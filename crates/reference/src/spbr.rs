@@ -11,7 +11,7 @@ mod ranges;
 
 use glam::{DVec2, DVec3};
 
-pub use ranges::{Ranges, ranges};
+pub use ranges::{Ranges, Turn, ranges, ranges_of};
 
 use super::fragments::{Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
@@ -228,7 +228,7 @@ pub fn render_with(
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
     let mut depth = vec![f64::INFINITY; count];
     let mut counts = vec![0u32; count];
-    let hands = hands_of(&inputs, hands);
+    let hands = hands_of(&inputs, 1, hands);
     for ensemble in 0..rule.ensembles {
         let image = draw(&inputs, ensemble, &hands, &mut counts);
         for (pixel, (z, index)) in image.into_iter().enumerate() {
@@ -255,13 +255,13 @@ pub fn render_with(
     (ReferencePicture { width: view.size[0], height: view.size[1], rgba, depth, counts }, stderr)
 }
 
-/// The points of each cloud and ensemble.
-fn hands_of(inputs: &Inputs, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
+/// The points of each cloud and ensemble, of so many images to which they are dealt together.
+fn hands_of(inputs: &Inputs, images: u32, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
     let Inputs { view, dealt, rule, seed, .. } = *inputs;
     let hands_of_cloud = |(surface, place): (&CloudSurface, u32)| {
-        let share = share(view, dealt, surface, &rule);
+        let slots = share(view, dealt, surface, &rule).slots * u64::from(images);
         let points = surface.points.end - surface.points.start;
-        hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
+        hands(&Deal { points, slots, ensembles: rule.ensembles * images, place, seed })
     };
     dealt.surfaces.iter().zip(0..).map(hands_of_cloud).collect()
 }

@@ -24,7 +24,7 @@ fn methods() -> impl Iterator<Item = Method> {
 
 /// How far −ln of a factor may be off, x = 300 · strength · s: each of eight quotients is rounded once, each logarithm
 /// within a unit, the sum has seven roundings and its factor two.
-fn slack(strength: f64, x: f64) -> f64 {
+pub(crate) fn slack(strength: f64, x: f64) -> f64 {
     let per_logarithm = 300.0 * strength * std::f64::consts::LOG2_E / 8.0;
     8.0 * per_logarithm * ROUNDING + 11.0 * ROUNDING * x
 }

@@ -21,7 +21,7 @@ use pellucid_testing::gaussians::Soup;
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 
-fn settings(alpha_max: f32) -> Discs {
+pub(crate) fn settings(alpha_max: f32) -> Discs {
     let gaussians = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max, ..GaussianSettings::default() };
     Discs { gaussians, ..Discs::default() }
 }
@@ -43,14 +43,14 @@ fn cameras() -> [Camera; 4] {
 }
 
 /// Bounds of a pixel: the opacity that roundings may leave, and how far they may move each color.
-struct Allowed {
-    alpha: Range,
-    color: f64,
-    depth: Range,
+pub(crate) struct Allowed {
+    pub alpha: Range,
+    pub color: f64,
+    pub depth: Range,
 }
 
 /// Bounds of each pixel of a picture of ellipsoids.
-fn allowed(points: &Points, frame: &Frame, discs: &Discs, brightest: f64) -> Vec<Allowed> {
+pub(crate) fn allowed(points: &Points, frame: &Frame, discs: &Discs, brightest: f64) -> Vec<Allowed> {
     let pixels = (frame.size[0] * frame.size[1]) as usize;
     let mut log_clear = vec![Range::only(0.0); pixels];
     let mut moved = vec![0.0; pixels];
@@ -114,7 +114,7 @@ fn assert_allowed(image: &Image, wanted: &ReferencePicture, allowed: &[Allowed],
     known
 }
 
-fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> (ReferencePicture, f64) {
+pub(crate) fn wanted(points: &Points, frame: &Frame, discs: &Discs) -> (ReferencePicture, f64) {
     let colors = reference::shading::shade(points, &frame.camera, &Shading::NONE, frame.color);
     let brightest = colors.iter().map(|color| color.max_element()).fold(1.0, f64::max);
     (reference::abuffer::render(View::new(&frame.camera, frame.size), points, &colors, discs), brightest)

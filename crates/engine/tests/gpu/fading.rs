@@ -64,14 +64,20 @@ fn composed(list: &[Fragment], colors: &[DVec3], camera: &Camera, method: &Metho
 
 /// Relative errors that a fragment comes with.
 #[derive(Clone, Copy)]
-struct Off {
+pub(crate) struct Off {
     depth: f64,
     alpha: f64,
 }
 
 /// The most that float32 may change a component of a pixel, given what it does to its fragments: of equal depths all
 /// the same.
-fn bound(list: &[Fragment], colors: &[DVec3], camera: &Camera, method: &Method, off: impl Fn(&Fragment) -> Off) -> f64 {
+pub(crate) fn bound(
+    list: &[Fragment],
+    colors: &[DVec3],
+    camera: &Camera,
+    method: &Method,
+    off: impl Fn(&Fragment) -> Off,
+) -> f64 {
     let seen: Vec<Fragment> = list.iter().filter(|f| f.alpha > 0.0).copied().collect();
     let whole = composed(&seen, colors, camera, method);
     // Logarithms of ratios of depths have some five roundings, of numbers up to ln(far / near); places are these by a
@@ -120,7 +126,7 @@ fn assert_like(image: &Image, wanted: &ReferencePicture, bounds: &[Option<f64>],
 
 /// Errors of flat discs: a depth is rounded once or twice. The polynomial of the falloff and its argument have some ten
 /// roundings. An oriented disc adds a slope of at most some hundred to a few roundings.
-fn off(discs: &Discs) -> impl Fn(&Fragment) -> Off {
+pub(crate) fn off(discs: &Discs) -> impl Fn(&Fragment) -> Off {
     let depth = if discs.shape == DiscShape::Oriented { 2e-5 } else { 2.0 * ROUNDING };
     let alpha = if discs.falloff == Falloff::Gaussian { 2e-5 } else { ROUNDING };
     move |_| Off { depth, alpha }

@@ -43,7 +43,7 @@ fn shaded(points: &Points, frame: &Frame) -> Vec<DVec3> {
 }
 
 /// Cameras before the cube, beside it, along one of its sides, and with a wide lens.
-fn cameras() -> [Camera; 4] {
+pub(crate) fn cameras() -> [Camera; 4] {
     let look = |eye, projection| Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection, 0.1, 100.0).expect("valid");
     let wide = Perspective { fov_y: 100f64.to_radians() };
     let near = look(DVec3::new(1.0, 1.5, 4.0), Perspective { fov_y: 45f64.to_radians() });
@@ -186,7 +186,12 @@ fn off(list: &[(Possible, usize)]) -> f64 {
 }
 
 /// Where neither coverage nor order depends on roundings, the most that they change each component.
-fn clear_pixels(points: &Points, frame: &Frame, settings: &GaussianSettings, colors: &[DVec3]) -> Vec<Option<f64>> {
+pub(crate) fn clear_pixels(
+    points: &Points,
+    frame: &Frame,
+    settings: &GaussianSettings,
+    colors: &[DVec3],
+) -> Vec<Option<f64>> {
     let bound = |list: Vec<(Possible, usize)>| {
         let brightest = list.iter().map(|(_, i)| colors[*i].max_element()).fold(1.0, f64::max);
         2.0 * brightest * off(&list)

@@ -49,7 +49,7 @@ const SHADED: Shading = Shading {
 
 /// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as
 /// steep as linear light.
-const COLOR_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
+pub(crate) const COLOR_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 
 fn reference_of(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSpace) -> PictureRange {
     let colors = reference::shading::shade(points, camera, &frame.shading, frame.color);

@@ -25,6 +25,7 @@ mod plan;
 mod points;
 mod radix;
 mod regions;
+mod samples;
 mod scan;
 mod see_through;
 mod shaders;

@@ -32,7 +32,7 @@ fn fielded(points: &[P], fields: &[f32]) -> Points {
 }
 
 /// Bound of colors, as in `splats.rs`, with three roundings for the sum of layer and rest.
-const SUM_ERROR: f64 = 16.0 * ROUNDING;
+pub(crate) const SUM_ERROR: f64 = 16.0 * ROUNDING;
 /// Bound of shaded colors, as in `splats.rs`.
 const SHADING_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 

@@ -40,7 +40,7 @@ fn layers(filters: ImageSpace, layers: u32) -> PeelLayers {
 
 /// Bound of colors: that of `image_space.rs`, which layers have in proportion to what is seen of them, and four
 /// roundings for each of up to nine layers.
-const COLOR_ERROR: f64 = (50.0 * 12.92 + 9.0 * 4.0) * ROUNDING;
+pub(crate) const COLOR_ERROR: f64 = (50.0 * 12.92 + 9.0 * 4.0) * ROUNDING;
 
 fn reference_of(points: &Points, frame: &Frame, settings: &PeelLayers) -> PictureRange {
     let colors = reference::shading::shade(points, &frame.camera, &frame.shading, frame.color);

@@ -29,7 +29,7 @@ fn lamp(light: Light) -> Shading {
     Shading { model: ShadingModel::Lambert, ambient: 0.0, diffuse: 1.0, light, ..Shading::default() }
 }
 
-fn hard(resolution: u32, distance: f32) -> Shadows {
+pub(crate) fn hard(resolution: u32, distance: f32) -> Shadows {
     Shadows {
         samples: 1,
         light_radius: 0.0,
@@ -342,7 +342,13 @@ fn a_light_among_the_points_shines_in_all_directions() {
 }
 
 /// m of all points as the device finds it, and as the reference does with the same lights.
-fn textures(device: &Device, points: &Points, light: Light, shadows: Shadows, seed: u64) -> (Vec<f32>, Vec<Range>) {
+pub(crate) fn textures(
+    device: &Device,
+    points: &Points,
+    light: Light,
+    shadows: Shadows,
+    seed: u64,
+) -> (Vec<f32>, Vec<Range>) {
     let mut renderer = Renderer::new(device).expect("a renderer");
     let mut cloud = renderer.upload(points).expect("fits");
     let frame = Frame { seed, ..lit_frame(perspective(), [8, 8], light, shadows) };

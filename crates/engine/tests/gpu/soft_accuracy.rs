@@ -19,11 +19,11 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 
 /// Every channel and A.
-const BOUND: f64 = 3e-4;
+pub(crate) const BOUND: f64 = 3e-4;
 /// Relative, of the entry depth; beside it a few roundings of the center's depth and the radius, whose difference it
 /// is.
-const DEPTH_BOUND: f64 = 1e-5;
-const DEPTH_ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
+pub(crate) const DEPTH_BOUND: f64 = 1e-5;
+pub(crate) const DEPTH_ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 /// Spheres that a ray passes this near to their rim, relative to the radius, may be met or not: they contribute nothing
 /// that counts, but decide about the entry depth and the list's length.
 const RIM: f64 = 1e-5;
@@ -33,14 +33,14 @@ const ROUNDED: f64 = 2.4e-7;
 
 /// A soft point, or a solid one.
 #[derive(Debug, Clone, Copy)]
-struct S {
+pub(crate) struct S {
     position: DVec3,
     radius: f32,
     color: Vec3,
     field: f32,
 }
 
-fn cloud(spheres: &[S]) -> Points {
+pub(crate) fn cloud(spheres: &[S]) -> Points {
     order::canonical(Points {
         positions: spheres.iter().map(|s| s.position).collect(),
         colors: spheres.iter().map(|s| s.color).collect(),
@@ -52,7 +52,7 @@ fn cloud(spheres: &[S]) -> Points {
 }
 
 /// Random soft points in a cube of side 2 around the origin.
-fn soft_soup(seed: u64, count: usize, radius: std::ops::Range<f32>) -> Vec<S> {
+pub(crate) fn soft_soup(seed: u64, count: usize, radius: std::ops::Range<f32>) -> Vec<S> {
     let each = soup(seed, count, radius, 0.1..0.9, false).into_iter();
     each.map(|p| S { position: p.position, radius: p.radius, color: p.color, field: 1.0 }).collect()
 }
@@ -102,7 +102,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
 }
 
 /// A rendered image, and the expected one.
-struct Case {
+pub(crate) struct Case {
     name: String,
     points: Points,
     camera: Camera,
@@ -113,10 +113,15 @@ struct Case {
 
 impl Case {
     fn new(name: impl Into<String>, spheres: &[S], camera: Camera, size: [u32; 2]) -> Self {
-        Self { name: name.into(), points: cloud(spheres), camera, size, entry: 0.0 }
+        Self { name: name.into(), ..Self::of(cloud(spheres), camera, size) }
     }
 
-    fn reference(&self, method: Method) -> ReferencePicture {
+    /// A case without a name.
+    pub(crate) fn of(points: Points, camera: Camera, size: [u32; 2]) -> Self {
+        Self { name: String::new(), points, camera, size, entry: 0.0 }
+    }
+
+    pub(crate) fn reference(&self, method: Method) -> ReferencePicture {
         let solids = self.solids();
         let behind = |pixel| solids.as_ref().map_or(Behind::NOTHING, |solids| Behind::from_picture(solids, pixel));
         self.scene(method, &self.colors()).render(behind)
@@ -159,7 +164,7 @@ impl Case {
     }
 
     /// Pixels whose ray passes the rim of some sphere.
-    fn doubtful(&self) -> Vec<bool> {
+    pub(crate) fn doubtful(&self) -> Vec<bool> {
         let centers: Vec<DVec3> = self.points.positions.iter().map(|p| self.camera.to_view(*p)).collect();
         let at = |pixel: u32| {
             let ray = Ray::new(View::new(&self.camera, self.size), [pixel % self.size[0], pixel / self.size[0]]);

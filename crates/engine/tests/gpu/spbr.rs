@@ -224,7 +224,7 @@ const COLOR_ERROR: f64 = 0.75 / 4_194_304.0 + 2.0 * ROUNDING;
 const STDERR_ERROR: f64 = COLOR_ERROR + 6.0 * ROUNDING;
 
 /// Compares an image with what roundings may make of the reference's; an error names the pixels.
-fn compare(image: &Image, wanted: &Ranges) -> Result<(), String> {
+pub(crate) fn compare(image: &Image, wanted: &Ranges) -> Result<(), String> {
     let stderr = image.stderr.as_ref().ok_or("no standard errors")?;
     let is_off = |i: &usize| {
         let color = image.rgba[*i].iter().zip(wanted.rgba[*i]);

@@ -32,7 +32,7 @@ fn blended(size: f32, max_pixel_radius: f32, blend_depth: f32) -> BlendedSplats 
 /// Weights have an exponential of 1 and its argument's 3 roundings, times a color 1; sums are compensated, and their
 /// quotient has
 /// 3. Both sums have errors of the same sort.
-const SUM_ERROR: f64 = 13.0 * ROUNDING;
+pub(crate) const SUM_ERROR: f64 = 13.0 * ROUNDING;
 
 /// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as
 /// steep as linear light.

@@ -22,6 +22,7 @@ mod prelude;
 mod prepared;
 mod released;
 mod same;
+mod samples;
 mod shadows;
 mod sizes;
 mod soft;
@@ -73,6 +74,7 @@ pub fn cases() -> Vec<Case> {
         moved::cases(),
         cameras::cases(),
         sizes::cases(),
+        samples::cases(),
         prepared::cases(),
         colored::cases(),
         clipped::cases(),

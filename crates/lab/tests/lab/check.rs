@@ -10,7 +10,7 @@ use pellucid_testing::{is_llvmpipe, root, updates, with_device};
 use crate::by_halves;
 
 /// Cases on llvmpipe, all of which apply there.
-const CASES: usize = 598;
+const CASES: usize = 692;
 
 /// Runs every second case on each of two devices; the verdicts in the order of the cases, and whether the devices are
 /// llvmpipe. `None` without a device.

@@ -84,13 +84,28 @@ impl Sums {
     }
 }
 
+/// One of several images to which points are dealt together, L ensembles for each: image `index` has those from
+/// `index`·L to (`index` + 1)·L of `images`·L.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Turn {
+    /// Number of the image, from 0.
+    pub index: u32,
+    /// Number of images, at least 1.
+    pub images: u32,
+}
+
 /// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(view: View, dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> Ranges {
+    ranges_of(view, dealt, colors, rule, seed, Turn { index: 0, images: 1 })
+}
+
+/// Returns the images like [`ranges`], for one of several images to which points are dealt together.
+pub fn ranges_of(view: View, dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64, turn: Turn) -> Ranges {
     let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
     let inputs = Inputs { view, dealt, ids, rule: *rule, seed };
-    let hands = hands_of(&inputs, dealing::hands);
+    let hands = hands_of(&inputs, turn.images, dealing::hands);
     let mut sums = vec![Sums::EMPTY; view.pixels()];
-    for ensemble in 0..rule.ensembles {
+    for ensemble in (0..rule.ensembles).map(|ensemble| turn.index * rule.ensembles + ensemble) {
         for (sums, candidates) in sums.iter_mut().zip(candidates(&inputs, ensemble, &hands)) {
             sums.add(&candidates, colors);
         }

@@ -76,6 +76,7 @@ mod peel_layers;
 mod peeling;
 mod random_stacks;
 mod ranges;
+mod samples;
 mod shaded;
 mod shadows;
 mod soft_approximations;

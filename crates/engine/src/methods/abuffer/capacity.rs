@@ -38,6 +38,10 @@ impl ABuffer {
         if u64::from(counted.total) <= capacity {
             return Ok(vec![Band::whole(window, u64::from(counted.total))]);
         }
+        if work.timeline.foresight.knowledge() != Knowledge::None {
+            // What fits by its bounds needs no offsets. Those of this window may not be there yet.
+            return Err(Error::Unforeseen);
+        }
         work.progress.check()?;
         let offsets = self.room.offsets.get().read(0, bands::pixels(window) + 1)?;
         bands::bands(&offsets, capacity).map_err(|_| {

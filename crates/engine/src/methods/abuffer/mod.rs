@@ -125,9 +125,6 @@ impl ABuffer {
             return Ok(Outcome::Overflow);
         }
         let bands = self.plan_bands(work, job, &counted)?;
-        if bands.len() > 1 && work.timeline.foresight.knowledge() != Knowledge::None {
-            return Err(Error::Unforeseen);
-        }
         self.reserve_fragments(device, job, &bands, &counted)?;
         let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
         let stored = Stored::of(&self.room, cut, Need::for_window(job, &counted).spare);
