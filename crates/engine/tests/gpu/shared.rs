@@ -8,7 +8,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
-use pellucid_scene::Method;
+use pellucid_scene::{Method, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
 
@@ -148,6 +148,24 @@ fn windows_budgets_orders_and_frames_before_change_no_byte() {
                 let found = renderer.render(&mut supplied, &small).expect("renders");
                 assert!(found.facts.windows > 4, "{name}: {} windows", found.facts.windows);
                 assert!(bits(&found.image) == bits(&expected.image), "{name}, by windows");
+            }
+        }
+    });
+}
+
+#[test]
+fn points_shaded_once_for_16_images_give_the_bytes_of_points_shaded_in_each() {
+    let points = scene(&on_a_grid(13, 700, SIZE));
+    let shading = Shading { model: ShadingModel::Lambert, ..Shading::default() };
+    with_device(|device| {
+        let frame = Frame { samples: 16, shading, ..frame(pixel_camera(SIZE), SIZE, Method::Points) };
+        let expected = bits(&one_by_one(device, &points, &frame));
+        // Keys of 8 images at a time, of fewer, and of one.
+        for memory_budget in [None, Some(400_000), Some(140_000)] {
+            let found = together(device, &points, &Frame { memory_budget, ..frame });
+            assert!(bits(&found.image) == expected, "{memory_budget:?}");
+            if memory_budget.is_none() {
+                assert_eq!((found.facts.shared_projections, found.facts.shaded_points), (14, 700));
             }
         }
     });
