@@ -1,4 +1,4 @@
-// points/shade: the color of every point, for the images of a frame with samples that show it. One invocation per point.
+// points/shade: the color of every point, for the images of a frame with samples. One invocation per point.
 #import all_points
 #import splat
 #import dispatch

@@ -41,7 +41,7 @@ pass! {
         shades: ReadWrite<[f32; 4]>,
     }
 
-    /// Turns the index of the nearest point of each pixel into color, shaded only here or by `points/shade`, and depth.
+    /// Turns the index of the nearest point of each pixel into color, shaded here or by `points/shade`, and depth.
     pub Resolve(CountPush) = "points/resolve" {
         camera: Uniform<View>,
         points_hi: Parts<[f32; 4]>,
