@@ -16,8 +16,8 @@
 
 // Points of one invocation, at most 32.
 override RUN: u32 = 8u;
-// 1: points are shown in several images of a frame with samples, from the push constants' first turn on. What is offered
-// to pixels of one stands `stride` behind what is offered to those of the one before.
+// 1: points are shown in several images of a frame with samples, from the push constants' first turn on. What is
+// offered to pixels of one stands `stride` behind what is offered to those of the one before.
 override SEVERAL: u32 = 0u;
 
 // Bound on the error of a float32 coordinate on the screen, in pixels, over scale * (|x| + |y| + |z|) + 1 of the place

@@ -245,8 +245,8 @@ impl Work<'_> {
         }
     }
 
-    /// Projects a cloud's points to splats of the window, unless those of another image of the frame serve. Returns the
-    /// results by chunk.
+    /// Projects a cloud's points to splats of the window, unless those of another image of the frame serve. Returns
+    /// the results by chunk.
     pub fn project(&mut self, cloud: &mut DeviceCloud, how: &Projecting) -> Result<Projected, Error> {
         let of = (self.frame, self.window);
         let Some(shared) = self.shared.filter(|_| how.footprint.can_move()) else {

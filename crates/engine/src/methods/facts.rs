@@ -87,6 +87,8 @@ pub struct Facts {
     pub shared_projections: u64,
     /// Tiles of splats that they took from there.
     pub shared_bins: u64,
+    /// Points of windows that were shaded once for all images.
+    pub shaded_points: u64,
     /// Largest number of device bytes at any time of the frame, cloud and image included.
     pub peak_device_bytes: u64,
     /// The raster path: `compute` or `hardware`.

@@ -49,6 +49,7 @@ fields! {
     /// Buffers of opaque splats, kept from frame to frame.
     pub struct Opaque {
         pub(super) nearest: Scratch<NearestSplat> = Scratch::new("nearest splats", Memory::Device),
+        pub(super) shades: Scratch<[f32; 4]> = Scratch::new("point shades", Memory::Device),
     }
 }
 

@@ -30,7 +30,18 @@ pass! {
         nearest: ReadWrite<NearestSplat>,
     }
 
-    /// Turns the index of the nearest point of each pixel into color, shaded only here, and depth.
+    /// Shades every point, once for all images of a frame with samples, where these have at least as many pixels as
+    /// there are points, and the budget has room.
+    pub Shade(CountPush) = "points/shade" {
+        camera: Uniform<View>,
+        points_hi: Parts<[f32; 4]>,
+        points_lo: Parts<[f32; 4]>,
+        point_colors: Parts<[f32; 4]>,
+        normals: Parts<[f32; 4]>,
+        shades: ReadWrite<[f32; 4]>,
+    }
+
+    /// Turns the index of the nearest point of each pixel into color, shaded here or by `points/shade`, and depth.
     pub Resolve(CountPush) = "points/resolve" {
         camera: Uniform<View>,
         points_hi: Parts<[f32; 4]>,
@@ -38,7 +49,7 @@ pass! {
         point_colors: Parts<[f32; 4]>,
         normals: Parts<[f32; 4]>,
         nearest: Read<[u32; 2]>,
-        last: Read<[u32; 2]>,
+        shades: Read<[f32; 4]>,
         into: Shared<PixelsGroup>,
     }
 }
@@ -52,9 +63,9 @@ fn nearest_variant(cull: bool, limited: bool) -> Variant {
     Variant::plain().with("RUN", POINTS_RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
 }
 
-/// The variant of `points/resolve`; `again`: over the pixels of another image of the same frame.
-fn resolve_variant(shaded: Variant, again: bool) -> Variant {
-    shaded.with("AGAIN", u32::from(again))
+/// The variant of `points/resolve`; `ready`: with the colors of all points.
+fn resolve_variant(shaded: Variant, ready: bool) -> Variant {
+    shaded.with("SHADED", u32::from(ready))
 }
 
 /// Images of a frame with samples whose nearest points are found at a time, at most: from the walk over the points on
@@ -72,7 +83,12 @@ pub struct Several {
     pub samples: u32,
     /// Elements from an image's nearest points to the next one's.
     pub stride: u32,
+    /// `true` if all points are shaded once.
+    pub shaded: bool,
 }
+
+/// Bytes of the color of a point that was shaded.
+const SHADE_BYTES: u64 = 16;
 
 /// Elements of the nearest points of an image that others follow: each may be bound by itself.
 fn stride(pixels: u64) -> u64 {
@@ -80,16 +96,22 @@ fn stride(pixels: u64) -> u64 {
 }
 
 impl Several {
-    /// Returns the images from a turn on whose nearest points fit the budget, at least one.
-    fn from(first: u32, samples: u32, work: &Work<'_>) -> Self {
-        let stride = stride(work.pixels());
-        let room = work.budget.left(0).min(work.budget.binding) / (opaque::PIXEL_BYTES * stride);
-        let images = room.clamp(1, MOST_IMAGES).min(u64::from(samples - first)) as u32;
-        Self { first, images, samples, stride: stride as u32 }
+    /// Returns the images from a turn on whose nearest points fit the budget, at least one; `before` are those found
+    /// last.
+    fn from(turn: u32, before: Option<Self>, cloud: &DeviceCloud, work: &Work<'_>) -> Self {
+        let (samples, pixels) = (work.frame.samples, work.pixels());
+        let each = opaque::PIXEL_BYTES * stride(pixels);
+        let (left, shades) = (work.budget.left(0), SHADE_BYTES * cloud.len());
+        // Beside the images' own colors they are as many at most, and neither may keep the other from its place.
+        let fits = shades <= work.budget.binding && shades + each <= left;
+        let shaded = before.map_or(fits && cloud.len() <= pixels * u64::from(samples), |before| before.shaded);
+        let room = left.saturating_sub(if shaded { shades } else { 0 }).min(work.budget.binding) / each;
+        let images = room.clamp(1, MOST_IMAGES).min(u64::from(samples - turn)) as u32;
+        Self { first: turn, images, samples, stride: stride(pixels) as u32, shaded }
     }
 
     fn of(self, push: PointsPush) -> PointsPush {
-        let Self { first, images, samples, stride } = self;
+        let Self { first, images, samples, stride, .. } = self;
         PointsPush { first_turn: first, images, samples, stride, ..push }
     }
 
@@ -123,10 +145,13 @@ impl Opaque {
         let (device, target) = (work.device, work.target);
         let pixels = work.pixels();
         let turn = work.frame.turn();
-        let known = work.shared.and_then(Shared::points).filter(|several| several.has(turn));
-        let several = work.shared.map(|_| known.unwrap_or_else(|| Several::from(turn, work.frame.samples, work)));
+        let before = work.shared.and_then(Shared::points);
+        let known = before.filter(|several| several.has(turn));
+        let several = work.shared.map(|_| known.unwrap_or_else(|| Several::from(turn, before, cloud, work)));
+        let shaded = several.is_some_and(|several| several.shaded);
         let found = several.map_or(pixels, |several| u64::from(several.stride) * u64::from(several.images));
         self.nearest.reserve(device, found)?;
+        self.shades.reserve(device, if shaded { cloud.len() } else { 1 })?;
         let mut recorder = work.timeline.recorder(device)?;
         let nearest = self.nearest.get().slice(0, found);
         if known.is_some() {
@@ -138,26 +163,36 @@ impl Opaque {
             record_nearest(&mut recorder, cloud, nearest, work.switches.wide_atomics, &choice)?;
             cloud.record_stats(&mut recorder)?;
         }
-        let place = several.map_or(0, |several| turn - several.first);
-        let of = |place: u32| {
-            let start = several.map_or(0, |several| u64::from(place) * u64::from(several.stride));
-            self.nearest.get().slice(start, pixels).cast()
-        };
         let cut = Cut::new(device, cloud.len())?;
+        let shading = how.shaded(cloud.has_normals()).cut(cut);
+        if shaded && before.is_none() {
+            let shade = Shade {
+                camera: cloud.view(),
+                points_hi: cut.slices(&cloud.points_hi),
+                points_lo: cut.slices(&cloud.points_lo),
+                point_colors: cut.slices(&cloud.point_colors),
+                normals: cut.slices(&cloud.normals),
+                shades: self.shades.get().slice(0, cloud.len()),
+            };
+            let run = Run::new(Dispatch::Invocations(cloud.len())).variant(shading.clone());
+            recorder.run(&shade, CountPush { count: cloud.len() as u32 }, &run)?;
+            work.facts.shaded_points += cloud.len();
+        }
+        let place = several.map_or(0, |several| turn - several.first);
+        let start = several.map_or(0, |several| u64::from(place) * u64::from(several.stride));
         let resolve = Resolve {
             camera: cloud.view(),
             points_hi: cut.slices(&cloud.points_hi),
             points_lo: cut.slices(&cloud.points_lo),
             point_colors: cut.slices(&cloud.point_colors),
             normals: cut.slices(&cloud.normals),
-            nearest: of(place),
-            last: of(place.saturating_sub(1)),
+            nearest: self.nearest.get().slice(start, pixels).cast(),
+            shades: self.shades.get().slice(0, if shaded { cloud.len() } else { 1 }),
             into: target.pixels(),
         };
         let push = CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
-        let variant = resolve_variant(how.shaded(cloud.has_normals()).cut(cut), place > 0);
-        recorder.run(&resolve, push, &run.variant(variant))?;
+        recorder.run(&resolve, push, &run.variant(resolve_variant(shading, shaded)))?;
         target.record_read_back(&mut recorder, pixels)?;
         work.timeline.submit(recorder, "points/nearest")?;
         if known.is_some() {
@@ -225,11 +260,12 @@ pub fn shaders() -> Vec<Shader> {
         alone.chain([nearest_variant(false, false).with("SEVERAL", 1)])
     };
     let resolved = Shaded::cut_variants().into_iter();
-    let resolved = resolved.flat_map(|shaded| [false, true].map(|again| resolve_variant(shaded.clone(), again)));
+    let resolved = resolved.flat_map(|shaded| [false, true].map(|ready| resolve_variant(shaded.clone(), ready)));
     vec![
         Shader::new::<Nearest>(variants()),
         Shader::new::<NearestDepth>(variants()),
         Shader::new::<NearestId>(variants()),
+        Shader::new::<Shade>(Shaded::cut_variants()),
         Shader::new::<Resolve>(resolved),
     ]
 }
@@ -279,6 +315,7 @@ impl Explain for PointsEngine {
                 let walks = facts.windows.saturating_sub(facts.shared_projections).max(1);
                 Some(facts.points * 32 * walks + facts.visible * 8)
             }
+            "points/shade" => Some(facts.shaded_points * (32 + 16 + SHADE_BYTES)),
             "points/resolve" => Some(pixels * (8 + 16 + 20)),
             _ => None,
         }
@@ -290,12 +327,18 @@ impl Explain for PointsEngine {
         plan.nearest(NEAREST, plan.facts.points > 0, plan.why);
         plan.found();
         let shading = plan.shading();
+        let shaded = plan.facts.shaded_points;
+        let once = match shaded {
+            0 => "each pixel shades its nearest point".to_owned(),
+            _ => format!("{shaded} points are shaded, once for all images; {shading}"),
+        };
+        plan.add("points/shade", shaded > 0, once);
         plan.add("points/resolve", true, format!("turns the index of the nearest point into a color; {shading}"));
     }
 }
 
 /// Returns the passes of 1-pixel points.
 pub(crate) fn pass_group() -> PassGroup {
-    let names = NEAREST.into_iter().chain(["points/resolve"]).collect();
+    let names = NEAREST.into_iter().chain(["points/shade", "points/resolve"]).collect();
     PassGroup { names, absent: Absent::Method("no 1-pixel points") }
 }

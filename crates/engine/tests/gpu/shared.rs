@@ -8,7 +8,7 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
-use pellucid_scene::Method;
+use pellucid_scene::{Method, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
 
@@ -55,8 +55,8 @@ fn with_field(mut points: Points, width: f64) -> Points {
     points
 }
 
-/// Discs for [`pixel_camera`] at multiples of 1/64 of a pixel: the shifts of up to 32 samples are multiples of such, and
-/// adding them is exact.
+/// Discs for [`pixel_camera`] at multiples of 1/64 of a pixel: the shifts of up to 32 samples are multiples of such,
+/// and adding them is exact.
 fn on_a_grid(seed: u64, count: usize, [width, height]: [u32; 2]) -> Vec<P> {
     let mut r = random(seed);
     let mut place = |size: u32| f64::from(r.random_range(0..size * 64)) / 64.0;
@@ -110,8 +110,7 @@ fn a_moved_place_is_rounded_once_more() {
 fn three_of_four_images_neither_project_nor_bin() {
     let points = scene(&on_a_grid(7, 600, SIZE));
     with_device(|device| {
-        for (name, bins) in [("circles", 0), ("squares", 0), ("sorted", 3), ("weighted", 3), ("abuffer", 0), ("hqs", 3)]
-        {
+        for (name, bins) in [("circles", 0), ("sorted", 3), ("weighted", 3), ("abuffer", 0), ("hqs", 3)] {
             let method = Method::all().into_iter().find(|method| method.name() == name).expect("a method");
             let of = |samples| Frame { samples, fragments: false, ..frame(pixel_camera(SIZE), SIZE, method) };
             let (alone, four) = (together(device, &points, &of(1)).facts, together(device, &points, &of(4)).facts);
@@ -148,6 +147,24 @@ fn windows_budgets_orders_and_frames_before_change_no_byte() {
                 let found = renderer.render(&mut supplied, &small).expect("renders");
                 assert!(found.facts.windows > 4, "{name}: {} windows", found.facts.windows);
                 assert!(bits(&found.image) == bits(&expected.image), "{name}, by windows");
+            }
+        }
+    });
+}
+
+#[test]
+fn points_shaded_once_for_16_images_give_the_bytes_of_points_shaded_in_each() {
+    let points = scene(&on_a_grid(13, 700, SIZE));
+    let shading = Shading { model: ShadingModel::Lambert, ..Shading::default() };
+    with_device(|device| {
+        let frame = Frame { samples: 16, shading, ..frame(pixel_camera(SIZE), SIZE, Method::Points) };
+        let expected = bits(&one_by_one(device, &points, &frame));
+        // Keys of 8 images at a time, of fewer, and of one.
+        for memory_budget in [None, Some(400_000), Some(140_000)] {
+            let found = together(device, &points, &Frame { memory_budget, ..frame });
+            assert!(bits(&found.image) == expected, "{memory_budget:?}");
+            if memory_budget.is_none() {
+                assert_eq!((found.facts.shared_projections, found.facts.shaded_points), (14, 700));
             }
         }
     });

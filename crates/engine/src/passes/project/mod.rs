@@ -239,8 +239,8 @@ group! {
 }
 
 gpu_struct! {
-    /// Push constants: points of the chunk, its number, and the index of its first point among all; and, of passes over
-    /// several images of a frame, which.
+    /// Push constants: points of the chunk, its number, and the index of its first point among all; and, of passes
+    /// over several images of a frame, which.
     pub struct PointsPush {
         count: u32, // Points of the chunk, its number, and the index of its first point among all.
         chunk: u32,
