@@ -116,8 +116,8 @@ fn assert_noise(cell: &Cell) {
     assert!(ratio >= least, "{cell:?}");
 }
 
-/// RMSE of R, G and B between the exact picture of a scene and the mean of so many, each moved by a fraction of a pixel,
-/// in float64.
+/// RMSE of R, G and B between the exact picture of a scene and the mean of so many, each moved by a part of a pixel, in
+/// float64.
 fn sampling_error(cell: &Cell, samples: u32) -> f64 {
     let (points, camera) = layers(cell, false);
     let frame = Frame { samples, ..Frame::new(camera, [SIDE; 2], Method::ABuffer(Discs::default())) };
