@@ -28,7 +28,7 @@ CASES = {
         ["--opacity", "0.2", "--method", "stochastic", "--set", "method.samples=8", "--seed", "3"],
     ),
     "samples": (
-        {"opacity": 0.3, "method": "abuffer", "samples": 4, "fragments": True},
+        {"opacity": 0.3, "method": "abuffer", "samples": 4, "fragments": True, "depths": True},
         ["--opacity", "0.3", "--method", "abuffer", "--samples", "4", "--aov"],
     ),
     "samples as many as it takes": (
