@@ -28,7 +28,7 @@ CASES = {
         ["--opacity", "0.2", "--method", "stochastic", "--set", "method.samples=8", "--seed", "3"],
     ),
     "samples": (
-        {"opacity": 0.3, "method": "abuffer", "samples": 4, "fragments": True},
+        {"opacity": 0.3, "method": "abuffer", "samples": 4, "fragments": True, "depths": True},
         ["--opacity", "0.3", "--method", "abuffer", "--samples", "4", "--aov"],
     ),
     "samples as many as it takes": (
@@ -122,7 +122,7 @@ def test_of_frames_of_a_loaded_scene(renderer, cli, tmp_path):
         steps = [
             ({}, []),
             ({"background": [0.1, 0.2, 0.3]}, ["--background", "0.1,0.2,0.3"]),
-            ({"method": "stochastic", "samples": 4}, ["--method", "stochastic", "--set", "method.samples=4"]),
+            ({"method": "stochastic", "method__samples": 4}, ["--method", "stochastic", "--set", "method.samples=4"]),
             ({"method": "spbr", "ensembles": 4}, ["--method", "spbr", "--set", "method.ensembles=4"]),
             ({"method": "points"}, ["--method", "points"]),
             ({"radius": 0.5}, ["--radius", "0.5"]),

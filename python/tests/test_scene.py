@@ -183,8 +183,8 @@ def test_a_plain_name_of_several_tables_is_the_method_s(scene):
     assert scene.shadows.fill == 1
     scene.update(shadows__resolution="auto", shadows__fill=2, shadows__occlusion="auto")
     assert scene.given()["shadows"] == {"resolution": "auto", "samples": 2, "fill": 2, "occlusion": "auto"}
-    scene.set("samples", 16.0)
-    assert scene.get("samples") == scene.method.samples == 16
+    scene.set("method.samples", 16.0)
+    assert scene.get("method.samples") == scene.method.samples == 16
 
 
 def test_keys_that_are_not_there_are_key_errors(scene):
@@ -236,7 +236,7 @@ def test_a_place_wins_over_the_view_in_a_frame(renderer, points):
 
 
 def test_a_scene_that_was_loaded_has_its_seed(renderer, points):
-    stochastic = {"size": SIZE, "opacity": 0.3, "method": "stochastic", "samples": 4}
+    stochastic = {"size": SIZE, "opacity": 0.3, "method": "stochastic", "method__samples": 4}
     with renderer.load(points, seed=3, **stochastic) as loaded:
         assert loaded.scene.seed == 3
         np.testing.assert_array_equal(pellucid.render(loaded.scene).rgba, loaded.frame().rgba)

@@ -36,6 +36,7 @@ struct ProfiledDevice {
 struct ProfiledScene {
     points: Option<u64>,
     pixels: Option<u64>,
+    samples: Option<u64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -138,6 +139,7 @@ fn differences([a, b]: &[Profile; 2]) -> Vec<String> {
     let facts = [
         ("points", number(a.scene.points), number(b.scene.points)),
         ("pixels", number(a.scene.pixels), number(b.scene.pixels)),
+        ("samples", number(a.scene.samples), number(b.scene.samples)),
         ("method", a.method.clone(), b.method.clone()),
         ("device", a.device.name.clone(), b.device.name.clone()),
         ("steady", steady(a), steady(b)),

@@ -257,12 +257,21 @@ fn profiles_of_different_work_are_not_compared_unless_asked_for() {
     with_steady("steady.json", true.into());
     with_steady("once.json", Value::Null);
     with_steady("a.json", false.into());
+    let with_samples = |name: &str, samples: u32| {
+        let text = fs::read_to_string(inside(&folder, "a.json")).unwrap();
+        let mut profile: Value = serde_json::from_str(&text).unwrap();
+        profile["scene"]["samples"] = samples.into();
+        fs::write(inside(&folder, name), profile.to_string()).unwrap();
+    };
+    with_samples("samples.json", 16);
+    with_samples("a.json", 1);
     for (other, says) in [
         ("points.json", "points 500 and 20;"),
         ("pixels.json", "pixels 307200 and 1228800;"),
         ("method.json", "method abuffer and linked-list;"),
         ("device.json", "device llvmpipe and another;"),
         ("steady.json", "steady false and true;"),
+        ("samples.json", "samples 1 and 16;"),
         ("all.json", "points 500 and 20, pixels 307200 and 4, method abuffer and peel, device llvmpipe and another;"),
     ] {
         for more in [&[][..], &["--json"], &["--fail-above", "frame=9"]] {
