@@ -8,8 +8,8 @@ use crate::points::Points;
 use crate::prepare::Arranged;
 
 /// Returns a hash of everything that determines the image and the time of a frame, except for the method: points,
-/// properties of their clouds, camera, size, shading, color space, background, memory budget, factors, samples and seed; device
-/// and driver; the program's version. In hexadecimal digits.
+/// properties of their clouds, camera, size, shading, color space, background, memory budget, factors, samples and
+/// seed; device and driver; the program's version. In hexadecimal digits.
 ///
 /// The method only enters through `formation`.
 pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {

@@ -81,7 +81,7 @@ pub fn affordable(image_seconds: f64, samples: u32, limit: f64) -> Option<u32> {
 /// The sampling error of a picture, as far as it was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sampling {
-    /// It is known.
+    /// Known value.
     Known(PixelArea),
     /// The fewest samples to compare with would take about so many seconds.
     TooSlow(f64),

@@ -104,8 +104,8 @@ pub struct TradeoffArgs {
     /// The picture that errors are measured against, center or area.
     ///
     /// center: the exact picture with the scene's samples, by default the center of each pixel. area: the exact picture
-    /// with 64 samples of each pixel's area, or 16 if 64 take more than a tenth of --time. Each setting is then measured
-    /// with 1, 4 and 16 samples: what its error costs, whether it comes from the method or from the samples.
+    /// with 64 samples of each pixel's area, or 16 if 64 take more than a tenth of --time. Each setting is then
+    /// measured with 1, 4 and 16 samples: what its error costs, whether it comes from the method or from the samples.
     #[arg(long, value_name = "PICTURE", default_value = "center", value_parser = one_of(AGAINST))]
     against: Against,
     #[command(flatten)]

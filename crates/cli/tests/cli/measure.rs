@@ -32,7 +32,7 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
     let scene = &profile["scene"];
     assert_eq!(
         keys(scene),
-        ["points", "pixels", "fragments", "max_list", "list_histogram", "nodes_read", "bytes_read"]
+        ["points", "pixels", "samples", "fragments", "max_list", "list_histogram", "nodes_read", "bytes_read"]
     );
     assert_eq!(scene["pixels"], pixels);
     assert_eq!([&scene["nodes_read"], &scene["bytes_read"]], [0, 0], "the cloud is in memory");

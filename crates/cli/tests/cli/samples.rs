@@ -26,7 +26,7 @@ fn picture<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&["render", "garden/scene.toml", "--size", "48x36", "--method", "abuffer"], more].concat()
 }
 
-/// What a picture says of its samples.
+/// Returns the samples that a picture's metadata state.
 fn told(folder: &TempDir, name: &str) -> Option<Value> {
     metadata(&inside(folder, name), SAMPLES).map(|text| serde_json::from_str(&text).unwrap())
 }

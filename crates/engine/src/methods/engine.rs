@@ -1,20 +1,19 @@
 //! The engine of a method, as the renderer sees it, and the tools an engine works with.
 
 use std::cell::RefCell;
-use std::ops::{Deref, Range};
-use std::rc::Rc;
+use std::ops::Range;
 
 use crate::progress::Progress;
 
 use super::explain::Explain;
 use super::parts::{Plane, SamplePart, Sums};
+use super::projected::{Projected, project, project_moving};
 use super::shared::Shared;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Binned, Bins};
 use crate::passes::compose::Cut;
-use crate::passes::foresight::AnswerPlace;
 use crate::passes::project::{DeviceCloud, PointExtent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
@@ -205,7 +204,7 @@ pub(crate) struct Work<'a> {
     pub frame: &'a Frame,
     /// The window.
     pub window: Window,
-    /// What the images of a frame with samples have in common in this window; `None` if there is one image.
+    /// Splats and tiles that the images of a frame with samples share in this window; `None` if there is one image.
     pub shared: Option<&'a Shared>,
     /// The memory that may be used.
     pub budget: Budget,
@@ -320,81 +319,6 @@ impl Work<'_> {
             self.progress.inc(self.pixels());
         }
     }
-}
-
-/// The results of a projection by chunk, or upper bounds of them.
-pub(crate) struct Projected {
-    pub(super) stats: Vec<Stats>,
-    /// The results themselves.
-    pub found: PendingStats,
-}
-
-/// The results of a projection, once it was submitted.
-#[derive(Clone)]
-pub(crate) enum PendingStats {
-    /// Those that the host asked for.
-    Asked(AnswerPlace),
-    /// Those of an earlier image.
-    Known(Rc<[Stats]>),
-}
-
-impl PendingStats {
-    /// Returns the results by chunk.
-    pub fn stats(&self, timeline: &Timeline) -> Vec<Stats> {
-        match self {
-            Self::Asked(place) => stats_of(timeline.found(*place)),
-            Self::Known(stats) => stats.to_vec(),
-        }
-    }
-}
-
-impl Deref for Projected {
-    type Target = [Stats];
-
-    fn deref(&self) -> &[Stats] {
-        &self.stats
-    }
-}
-
-fn stats_of(words: &[u32]) -> Vec<Stats> {
-    bytemuck::pod_collect_to_vec(words)
-}
-
-/// Projects a cloud's points to splats of a window of a frame. Returns the results by chunk.
-pub(crate) fn project(
-    device: &Device,
-    cloud: &mut DeviceCloud,
-    (frame, window): (&Frame, Window),
-    how: &Projecting,
-    timeline: &mut Timeline,
-) -> Result<Projected, Error> {
-    project_moving(device, cloud, (frame, window), how, None, timeline)
-}
-
-/// Projects a cloud's points like [`project`]; with `most`, to splats that are moved when they are read, by up to so
-/// many pixels ([`DeviceCloud::move_splats`]).
-fn project_moving(
-    device: &Device,
-    cloud: &mut DeviceCloud,
-    (frame, window): (&Frame, Window),
-    how: &Projecting,
-    most: Option<f32>,
-    timeline: &mut Timeline,
-) -> Result<Projected, Error> {
-    cloud.make_room(device)?;
-    cloud.reserve_tilts(device, how.footprint)?;
-    cloud.set_view(&frame.camera, frame.size, window, how);
-    if let Some(most) = most {
-        cloud.move_splats(most);
-    }
-    let mut recorder = timeline.recorder(device)?;
-    cloud.record_project(&mut recorder, how)?;
-    let names = ("project/stats", "project/splats");
-    let answer = timeline.ask(device, recorder, names, &[cloud.found().cast()])?;
-    let [width, height] = [window[2] - window[0], window[3] - window[1]];
-    let most = |((_, count), s): ((u64, u64), Stats)| s.at_most(count, [width, height]);
-    let stats = cloud.chunks().zip(stats_of(&answer.words)).map(most).collect();
-    Ok(Projected { stats, found: PendingStats::Asked(answer.place) })
 }
 
 /// Returns windows for a method that needs `pixel_bytes` per pixel.

@@ -8,8 +8,8 @@ use super::abuffer::{
 use super::ellipsoids::Ellipsoids;
 use super::linked_list::LinkedLists;
 use super::projecting::discs as projecting;
-use crate::methods::engine::project;
 use crate::methods::prelude::*;
+use crate::methods::projected::project;
 use crate::methods::{Stop, tiled};
 use crate::scene::{Peel, Raster as Way};
 

@@ -28,6 +28,7 @@ pub mod peel;
 pub mod peel_layers;
 pub mod points;
 mod prelude;
+mod projected;
 mod projecting;
 pub mod renderer;
 pub mod see_through;

@@ -5,7 +5,7 @@
 
 use super::opaque::{self, NearestSplat, Opaque};
 use crate::methods::prelude::*;
-use crate::methods::shared::Shared;
+use crate::methods::shared::{Several, Shared};
 use crate::passes::project::{POINTS_RUN, Places, PlacesGroup, PointsPush, Shaded, View, points_dispatch};
 
 pass! {
@@ -72,21 +72,6 @@ fn resolve_variant(shaded: Variant, ready: bool) -> Variant {
 /// each costs as much as it does alone.
 const MOST_IMAGES: u64 = 8;
 
-/// Images of a frame with samples whose nearest points are found by one walk over the points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Several {
-    /// Turn of the first one.
-    pub first: u32,
-    /// Number of them.
-    pub images: u32,
-    /// Number of all images of the frame.
-    pub samples: u32,
-    /// Elements from an image's nearest points to the next one's.
-    pub stride: u32,
-    /// `true` if all points are shaded once.
-    pub shaded: bool,
-}
-
 /// Bytes of the color of a point that was shaded.
 const SHADE_BYTES: u64 = 16;
 
@@ -95,29 +80,18 @@ fn stride(pixels: u64) -> u64 {
     pixels.next_multiple_of(64)
 }
 
-impl Several {
-    /// Returns the images from a turn on whose nearest points fit the budget, at least one; `before` are those found
-    /// last.
-    fn from(turn: u32, before: Option<Self>, cloud: &DeviceCloud, work: &Work<'_>) -> Self {
-        let (samples, pixels) = (work.frame.samples, work.pixels());
-        let each = opaque::PIXEL_BYTES * stride(pixels);
-        let (left, shades) = (work.budget.left(0), SHADE_BYTES * cloud.len());
-        // Beside the images' own colors they are as many at most, and neither may keep the other from its place.
-        let fits = shades <= work.budget.binding && shades + each <= left;
-        let shaded = before.map_or(fits && cloud.len() <= pixels * u64::from(samples), |before| before.shaded);
-        let room = left.saturating_sub(if shaded { shades } else { 0 }).min(work.budget.binding) / each;
-        let images = room.clamp(1, MOST_IMAGES).min(u64::from(samples - turn)) as u32;
-        Self { first: turn, images, samples, stride: stride(pixels) as u32, shaded }
-    }
-
-    fn of(self, push: PointsPush) -> PointsPush {
-        let Self { first, images, samples, stride, .. } = self;
-        PointsPush { first_turn: first, images, samples, stride, ..push }
-    }
-
-    fn has(&self, turn: u32) -> bool {
-        (self.first..self.first + self.images).contains(&turn)
-    }
+/// Returns the images from a turn on whose nearest points fit the budget, at least one; `before` are those found
+/// last.
+fn several_from(turn: u32, before: Option<Several>, cloud: &DeviceCloud, work: &Work<'_>) -> Several {
+    let (samples, pixels) = (work.frame.samples, work.pixels());
+    let each = opaque::PIXEL_BYTES * stride(pixels);
+    let (left, shades) = (work.budget.left(0), SHADE_BYTES * cloud.len());
+    // Beside the images' own colors they are as many at most, and neither may keep the other from its place.
+    let fits = shades <= work.budget.binding && shades + each <= left;
+    let shaded = before.map_or(fits && cloud.len() <= pixels * u64::from(samples), |before| before.shaded);
+    let room = left.saturating_sub(if shaded { shades } else { 0 }).min(work.budget.binding) / each;
+    let images = room.clamp(1, MOST_IMAGES).min(u64::from(samples - turn)) as u32;
+    Several { first: turn, images, samples, stride: stride(pixels) as u32, shaded }
 }
 
 /// Points that are searched for the nearest ones, and how the search is dispatched.
@@ -130,7 +104,7 @@ pub struct Choice<'a> {
     /// Four words for each chunk, of indirect dispatches.
     pub dispatches: Option<Slice<'a, u32>>,
     /// Images whose nearest points are found at once.
-    pub several: Option<Several>,
+    pub(crate) several: Option<Several>,
 }
 
 impl Opaque {
@@ -147,7 +121,7 @@ impl Opaque {
         let turn = work.frame.turn();
         let before = work.shared.and_then(Shared::points);
         let known = before.filter(|several| several.has(turn));
-        let several = work.shared.map(|_| known.unwrap_or_else(|| Several::from(turn, before, cloud, work)));
+        let several = work.shared.map(|_| known.unwrap_or_else(|| several_from(turn, before, cloud, work)));
         let shaded = several.is_some_and(|several| several.shaded);
         let found = several.map_or(pixels, |several| u64::from(several.stride) * u64::from(several.images));
         self.nearest.reserve(device, found)?;

@@ -1,4 +1,4 @@
-//! What the images of a frame with samples have in common in a window: each shows the same splats, moved by a fraction
+//! Splats and tiles that the images of a frame with samples share in a window: each image shows the same splats, moved by a fraction
 //! of a pixel. The first image projects and bins them, without its shift and with rectangles that hold for any; the
 //! others take them from there, and every stage moves the splats that it reads.
 //!
@@ -7,18 +7,17 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::engine::{PendingStats, Projected};
-use super::points::Several;
+use super::projected::{PendingStats, Projected};
 use super::{Error, Frame, Timeline};
 use crate::gpu::Device;
 use crate::passes::bands::Window;
 use crate::passes::bin::{self, Binned, Bins, Order};
-use crate::passes::project::{DeviceCloud, Footprint, Projecting};
+use crate::passes::project::{DeviceCloud, Footprint, PointsPush, Projecting};
 
 /// Pixels beyond the largest shift that rectangles hold for: far more than rounding takes.
 const SLACK: f32 = 1.0 / 256.0;
 
-/// What the images of a frame have in common in a window.
+/// Splats and tiles that the images of a frame share in a window.
 pub(crate) struct Shared {
     images: u32,
     kept: RefCell<Kept>,
@@ -53,6 +52,34 @@ struct KeptBins {
     footprint: Footprint,
     depth_range: [f32; 2],
     binned: Binned,
+}
+
+/// Images of a frame with samples whose nearest points are found by one walk over the points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Several {
+    /// Turn of the first one.
+    pub first: u32,
+    /// Number of them.
+    pub images: u32,
+    /// Number of all images of the frame.
+    pub samples: u32,
+    /// Elements from an image's nearest points to the next one's.
+    pub stride: u32,
+    /// `true` if all points are shaded once.
+    pub shaded: bool,
+}
+
+impl Several {
+    /// Returns the push constants of a walk that finds them.
+    pub fn of(self, push: PointsPush) -> PointsPush {
+        let Self { first, images, samples, stride, .. } = self;
+        PointsPush { first_turn: first, images, samples, stride, ..push }
+    }
+
+    /// Returns `true` if the image whose turn it is belongs to them.
+    pub fn has(&self, turn: u32) -> bool {
+        (self.first..self.first + self.images).contains(&turn)
+    }
 }
 
 impl Shared {

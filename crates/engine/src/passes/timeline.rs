@@ -23,7 +23,7 @@ pub struct Timeline {
     pub stamps: Stamps,
     /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
-    /// The same of windows of a frame's further images ([`Self::swap_foresight`]).
+    /// Counts of windows of a frame's further images ([`Self::swap_foresight`]).
     pub further: Foresight,
     /// Commands that were recorded so far, where nobody waits for them.
     paused: Option<Paused>,

@@ -45,7 +45,7 @@ struct Subject<'a> {
     name: String,
     points: &'a Points,
     frame: Frame,
-    /// One of the images whose mean the picture is.
+    /// An image whose mean with others the picture is.
     image: Box<dyn Fn(&One) -> PictureRange + 'a>,
     /// How far colors may be out of their ranges.
     slack: f64,
@@ -128,7 +128,7 @@ impl Subject<'_> {
     }
 }
 
-/// The same with any depth, so that colors alone decide.
+/// Ranges with any depth, so that colors alone decide.
 fn without_depths(picture: PictureRange) -> PictureRange {
     let any = Range { low: f64::NEG_INFINITY, high: f64::INFINITY };
     PictureRange { depth: vec![any; picture.depth.len()], ..picture }

@@ -80,12 +80,12 @@ impl Worst {
         self.naive = self.naive.max(pixels_apart(&center, wanted) / allowed);
     }
 
-    /// Of exact areas: colors may be sums over weights.
+    /// Bound of exact areas: colors may be sums over weights.
     fn exact(&self) -> Finding {
         Finding::new(self.found, COMPENSATED, self.naive)
     }
 
-    /// In units of what is allowed, as one sample is off by more than that of 64.
+    /// Error in units of what is allowed, as one sample is off by more than that of 64.
     fn in_units(&self) -> Finding {
         Finding::new(self.found, 1.0, self.naive)
     }
@@ -155,7 +155,7 @@ fn slanted(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     Ok(worst.in_units())
 }
 
-/// In a moved image a point is in the pixel that holds its center: over all of them in the square around it.
+/// A point of a moved image is in the pixel that holds its center: over all of them in the square around it.
 fn square(x: f64, y: f64) -> Vec<[f64; 4]> {
     let around = |v: f64| [v - 0.5, v + 0.5];
     white(|column, row| shared([column, column + 1.0], around(x)) * shared([row, row + 1.0], around(y)))
@@ -176,7 +176,7 @@ fn points_beside(stage: &mut CaseRenderer, method: Method) -> CaseResult {
     Ok(worst.exact())
 }
 
-/// What a box at a corner of a pixel may be off its area with N samples.
+/// Most that a box at a corner of a pixel may be off its area with N samples.
 fn at_corner(samples: u32) -> f64 {
     (f64::from(samples.ilog2()) + 3.0) / f64::from(2 * samples)
 }

@@ -84,7 +84,7 @@ impl Sums {
     }
 }
 
-/// One of several images to which points are dealt together, L ensembles for each: image `index` has those from
+/// An image of several to which points are dealt together, L ensembles for each: image `index` has those from
 /// `index`·L to (`index` + 1)·L of `images`·L.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Turn {

@@ -41,7 +41,7 @@ pub const MAX_SAMPLES: u32 = 64;
 /// `samples`: samples of a pixel's area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Samples {
-    /// As many as it takes for `sampling_error`, from 4 to [`MAX_SAMPLES`].
+    /// Enough for `sampling_error`, from 4 to [`MAX_SAMPLES`].
     Auto,
     /// A power of two, from 1 to [`MAX_SAMPLES`].
     Count(u32),

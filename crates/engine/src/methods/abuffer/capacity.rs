@@ -39,7 +39,7 @@ impl ABuffer {
             return Ok(vec![Band::whole(window, u64::from(counted.total))]);
         }
         if work.timeline.foresight.knowledge() != Knowledge::None {
-            // What fits by its bounds needs no offsets. Those of this window may not be there yet.
+            // Lists that fit by their bounds need no offsets. Those of this window may not be there yet.
             return Err(Error::Unforeseen);
         }
         work.progress.check()?;

@@ -47,7 +47,7 @@ pub struct Renderer {
     eye_dome: EyeDomeLighting,
     /// Counts of earlier frames of one kind.
     foresight: Foresight,
-    /// The same of windows of their further images.
+    /// Counts of windows of their further images.
     further: Foresight,
     /// The kind of those frames.
     kind: Option<FrameKind>,
@@ -186,8 +186,8 @@ impl Renderer {
         Ok(Rendered { image, profile, facts })
     }
 
-    /// Renders the mean of images that are lit each by itself, from the depths of all of its pixels: one image after the
-    /// other.
+    /// Renders the mean of images that are lit each by itself, from the depths of all of its pixels: one image after
+    /// the other.
     fn mean_of_lit(
         &mut self,
         cloud: &mut DeviceCloud,

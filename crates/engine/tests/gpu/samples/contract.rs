@@ -1,4 +1,4 @@
-//! What samples may not change, what is computed once, and what is refused.
+//! Bytes that samples may not change, passes that run once, and numbers that are refused.
 
 use std::sync::Arc;
 

@@ -170,7 +170,7 @@ fn images_have_independent_numbers_so_that_the_variance_falls_as_their_number_gr
             let exact = f64::from(front) + f64::from(back) * 0.625;
             assert!((mean - exact).abs() < ERRORS * (wanted / pixels).sqrt(), "{count}: {mean}, not {exact}");
         }
-        // What the same numbers would give is noticed.
+        // The same numbers in each image would be noticed.
         assert!((correlation(&images[0], &images[0]) - 1.0).abs() < 1e-9 && 1.0 > ERRORS / pixels.sqrt());
     });
 }

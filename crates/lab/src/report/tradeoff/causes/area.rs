@@ -5,8 +5,8 @@ use std::time::Instant;
 use pellucid_core::image::LinearImage;
 use pellucid_core::metrics::{self, difference_picture};
 use pellucid_core::progress::Progress;
-use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer, linear};
+use pellucid_engine::{Error, Result};
 use pellucid_gpu::Device;
 use pellucid_io::output::write_rgb_png;
 use pellucid_session::area::{self, PixelArea};
@@ -21,12 +21,12 @@ use crate::report::tradeoff::{DIFFERENCE_GAIN, Skipped};
 /// See [`Cause::cause`].
 pub(in super::super) const CAUSE: &str = "pixel area";
 
-/// What was measured of the area of pixels.
+/// Measurements of the area of pixels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(in super::super) struct AreaErrors {
     /// The picture of the scene's own samples.
     pub picture: PixelArea,
-    /// Its samples and others, ascending.
+    /// Samples of the scene and others, ascending.
     pub causes: Vec<Cause>,
 }
 
@@ -40,11 +40,29 @@ struct Sampled {
 }
 
 /// Measures these numbers of samples and the scene's own, as far as they are fewer than those of the reference; that
-/// has as many as `effort.seconds` of `all` allow. If they allow none, it is skipped.
+/// has as many as `effort.seconds` of `all` allow. If they allow none, or the device can't draw them, it is skipped.
 ///
 /// # Errors
 /// Rendering fails, or a picture can't be written.
 pub(in super::super) fn measure(
+    device: &Device,
+    clouds: &mut Clouds<'_>,
+    effort: (Effort<'_>, f64),
+    counts: &[u32],
+    progress: &Progress,
+) -> Result<Result<AreaErrors, Skipped>> {
+    match compare(device, clouds, effort, counts, progress) {
+        Err(Error::Render(error)) if error.is_refusal() => Ok(Err(skipped(&effort.0, error.to_string(), false))),
+        compared => compared,
+    }
+}
+
+fn skipped(effort: &Effort<'_>, reason: String, for_time: bool) -> Skipped {
+    let method = format!("{}, {CAUSE}", effort.frame.method.name());
+    Skipped { method, setting: "image.samples".to_owned(), reason, for_time }
+}
+
+fn compare(
     device: &Device,
     clouds: &mut Clouds<'_>,
     (effort, all): (Effort<'_>, f64),
@@ -53,10 +71,7 @@ pub(in super::super) fn measure(
 ) -> Result<Result<AreaErrors, Skipped>> {
     progress.set_message("causes, pixel area");
     let method = effort.frame.method.name();
-    let skipped = |reason: String, for_time: bool| {
-        let (method, setting) = (format!("{method}, {CAUSE}"), "image.samples".to_owned());
-        Ok(Err(Skipped { method, setting, reason, for_time }))
-    };
+    let skipped = |reason: String, for_time: bool| Ok(Err(skipped(&effort, reason, for_time)));
     let own = effort.frame.samples;
     if own >= area::MOST {
         return skipped(format!("the scene has {own} samples in a pixel, and no picture has more"), false);

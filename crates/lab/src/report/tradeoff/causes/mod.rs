@@ -40,7 +40,7 @@ pub struct Cause {
     /// Device time of a frame of the changed image, once all was ready; of the limit of ensembles, which no device
     /// draws, the host's time.
     pub gpu_ms: f64,
-    /// That time over the one of the unchanged exact image, of samples over the one of a single sample; `None` in
+    /// Time over the one of the unchanged exact image, of samples over the one of a single sample; `None` in
     /// reports of earlier versions.
     #[serde(default)]
     pub times: Option<f64>,

@@ -35,11 +35,11 @@ pub(super) struct ReferenceImage {
 /// Samples in a pixel of the reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Samples {
-    /// Those of the frame.
+    /// Samples of the frame.
     Own,
     /// So many.
     Exactly(u32),
-    /// As many as stand for the area of a pixel, and fit so many seconds if any do.
+    /// Samples that stand for the area of a pixel, and fit so many seconds if any do.
     Within(f64),
 }
 
