@@ -183,6 +183,8 @@ pub struct Switches {
     pub wide_atomics: bool,
     /// `true` if ensembles are drawn in one go where possible.
     pub single_pass: bool,
+    /// `true` if the images of a frame with samples share splats and tiles.
+    pub shares_splats: bool,
     /// The largest number of bits of a key for epochs of ensembles.
     pub epoch_bits: u32,
     /// Layers after which `peel` gives up.
@@ -192,7 +194,13 @@ pub struct Switches {
 impl Switches {
     /// Returns the switches as every frame has them unless a test changes them.
     pub(super) fn of(device: &DeviceInfo) -> Self {
-        Self { wide_atomics: device.int64_atomics, single_pass: true, epoch_bits: 31, max_layers: MAX_LAYERS }
+        Self {
+            wide_atomics: device.int64_atomics,
+            single_pass: true,
+            shares_splats: true,
+            epoch_bits: 31,
+            max_layers: MAX_LAYERS,
+        }
     }
 }
 

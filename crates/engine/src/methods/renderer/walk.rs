@@ -101,7 +101,7 @@ impl Renderer {
         while let Some(window) = left.pop() {
             self.target.keeps_colors &= is_whole(window, job.frame);
             let images = job.images.len() as u32;
-            let shared = (images > 1).then(|| Shared::new(images));
+            let shared = (images > 1 && self.switches.shares_splats).then(|| Shared::new(images));
             for (number, frame) in job.images.iter().enumerate() {
                 let turn = Turn { job, frame, is_first: number == 0, shared: shared.as_ref() };
                 match self.turn(cloud, turn, window, timeline, facts)? {
