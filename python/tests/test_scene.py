@@ -174,7 +174,7 @@ def test_a_table_takes_a_dict(scene):
 
 
 def test_a_plain_name_of_several_tables_is_the_method_s(scene):
-    scene.update(samples=8, min_layer_distance=0.5, color="red")
+    scene.update(method__samples=8, min_layer_distance=0.5, color="red")
     assert scene.given()["method"] == {"name": "stochastic", "samples": 8, "min_layer_distance": 0.5}
     assert scene.given()["cloud"][0]["color"] == "red"
     assert "shadows" not in scene.given()
@@ -193,7 +193,7 @@ def test_keys_that_are_not_there_are_key_errors(scene):
             scene.get(key)
     assert scene.get("clip") is None
     assert scene.get("cloud.*.opacity") == 0.25
-    with pytest.raises(AttributeError, match=r"^\[image\] has no key 'nokey'; it has size, background, color$"):
+    with pytest.raises(AttributeError, match=r"^\[image\] has no key 'nokey'; it has size, background, samples, sampling_error, color$"):
         del scene.image.nokey
     for key in ("shadows", "cloud.0.class", "cloud.*.radius", "clip"):
         scene.set(key, None)
