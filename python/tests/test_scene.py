@@ -178,6 +178,9 @@ def test_a_plain_name_of_several_tables_is_the_method_s(scene):
     assert scene.given()["method"] == {"name": "stochastic", "samples": 8, "min_layer_distance": 0.5}
     assert scene.given()["cloud"][0]["color"] == "red"
     assert "shadows" not in scene.given()
+    # But these have a name of their own in every signature: the samples of a picture.
+    scene.update(samples=4)
+    assert (scene.get("image.samples"), scene.get("method.samples")) == (4, 8)
     scene.update(shadows__resolution=256, shadows__samples=2)
     assert scene.given()["shadows"] == {"resolution": 256, "samples": 2}
     assert scene.shadows.fill == 1

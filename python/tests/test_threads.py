@@ -77,7 +77,7 @@ def test_other_threads_go_on_while_a_frame_is_rendered(renderer):
         # A fast device needs more work, so that pauses of the system don't count.
         for samples in (16, 64, 256, 1024):
             begin = time.monotonic()
-            loaded.frame(samples=samples)
+            loaded.frame(method__samples=samples)
             end = time.monotonic()
             if end - begin > 0.5:
                 break
@@ -115,7 +115,7 @@ INTERRUPTED = """
     ("load", "call", "after"),
     [
         ("pellucid.Renderer().load(points, opacity=0.05, size=(1024, 1024))", "loaded.frame(method='abuffer')", 1.0),
-        ("pellucid.Renderer().load(points, opacity=0.05)", "loaded.frame(method='stochastic', samples=1024)", 1.0),
+        ("pellucid.Renderer().load(points, opacity=0.05)", "loaded.frame(method='stochastic', method__samples=1024)", 1.0),
         ("None", "pellucid.render(np.random.default_rng(1).normal(size=(2_000_000, 3)), opacity=0.1)", 1.5),
         ("None", "pellucid.check('abuffer/')", 1.0),
         # One dispatch that takes seconds: nobody waits for it, not even whoever closes what it works for.

@@ -164,6 +164,8 @@ fn a_comparison_skips_settings_that_exceed_device_memory_and_leaves_no_picture()
         skipped += reasons.filter(|reason| reason.contains("out of device memory: ")).count();
         let of = |row: &serde_json::Value| ["picture", "difference"].map(|key| row[key].as_str().unwrap().to_owned());
         let mut named: Vec<String> = report["rows"].as_array().unwrap().iter().flat_map(of).collect();
+        let causes = report["causes"].as_array().unwrap().iter();
+        named.extend(causes.map(|cause| cause["difference"].as_str().unwrap().to_owned()));
         named.push("reference.png".to_owned());
         let written = files(&folder.path().join("new"));
         let pictures =

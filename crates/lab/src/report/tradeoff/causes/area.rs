@@ -92,14 +92,16 @@ fn compare(
     let mut counts: Vec<u32> = counts.iter().copied().chain([own]).filter(|count| *count < against).collect();
     counts.sort_unstable();
     counts.dedup();
-    let mut causes = Vec::new();
+    let (mut causes, mut differences) = (Vec::new(), Vec::new());
     for count in counts {
         let sampled = if count == 1 { None } else { Some(studio.picture(clouds, count)?) };
         let sampled = sampled.as_ref().unwrap_or(&one);
-        let cause = cause(count, against, &reference, sampled, one.ms);
-        let difference = difference_picture(&reference.pixels, &sampled.image.pixels, DIFFERENCE_GAIN);
-        write_rgb_png(&effort.folder.join(&cause.difference), effort.frame.size, &difference)?;
-        causes.push(cause);
+        causes.push(cause(count, against, &reference, sampled, one.ms));
+        differences.push(difference_picture(&reference.pixels, &sampled.image.pixels, DIFFERENCE_GAIN));
+    }
+    // Only once all of them could be drawn: a cause that is skipped leaves no picture.
+    for (cause, difference) in causes.iter().zip(&differences) {
+        write_rgb_png(&effort.folder.join(&cause.difference), effort.frame.size, difference)?;
     }
     device.check_validation()?;
     let rmse = causes.iter().find(|cause| cause.setting == setting(own)).map_or(0.0, |cause| cause.rmse);
