@@ -41,6 +41,7 @@ struct Sampled {
 
 /// Measures these numbers of samples and the scene's own, as far as they are fewer than those of the reference; that
 /// has as many as `effort.seconds` of `all` allow. If they allow none, or the device can't draw them, it is skipped.
+/// Without numbers the scene's own are measured, and no picture is written.
 ///
 /// # Errors
 /// Rendering fails, or a picture can't be written.
@@ -89,6 +90,7 @@ fn compare(
         return skipped(reason, true);
     };
     let reference = studio.picture(clouds, against)?.image;
+    let is_shown = !counts.is_empty();
     let mut counts: Vec<u32> = counts.iter().copied().chain([own]).filter(|count| *count < against).collect();
     counts.sort_unstable();
     counts.dedup();
@@ -99,8 +101,9 @@ fn compare(
         causes.push(cause(count, against, &reference, sampled, one.ms));
         differences.push(difference_picture(&reference.pixels, &sampled.image.pixels, DIFFERENCE_GAIN));
     }
-    // Only once all of them could be drawn: a cause that is skipped leaves no picture.
-    for (cause, difference) in causes.iter().zip(&differences) {
+    // Only once all of them could be drawn: a cause that is skipped leaves no picture. Nor does one that only the
+    // picture's error is wanted of.
+    for (cause, difference) in causes.iter().zip(&differences).filter(|_| is_shown) {
         write_rgb_png(&effort.folder.join(&cause.difference), effort.frame.size, difference)?;
     }
     device.check_validation()?;
