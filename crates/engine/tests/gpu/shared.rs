@@ -1,5 +1,5 @@
-//! Work that the images of a frame with samples share: splats are projected and binned once, and moved for each image. The
-//! mean must be that of the images rendered one by one.
+//! Work that the images of a frame with samples share: splats are projected and binned once, and moved for each
+//! image. The mean must be that of the images rendered one by one.
 
 use std::sync::Arc;
 

@@ -217,8 +217,8 @@ impl Setting {
         self.key().replace("method.", "").replace([' ', '=', '_'], "-")
     }
 
-    /// Returns the setting with so many samples of a pixel's area. They are the ladder of a setting that is alone in its
-    /// series; others climb theirs with each number of them.
+    /// Returns the setting with so many samples of a pixel's area. They are the ladder of a setting that is alone in
+    /// its series; others climb theirs with each number of them.
     fn sampled(&self, samples: u32, is_alone: bool) -> Self {
         let text = format!("{} {SAMPLES}={samples}", self.text).trim_start().to_owned();
         let count = f64::from(samples);
