@@ -26,8 +26,8 @@ pub struct FrameBuilder<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Samples {
-    /// Enough for a stated error: they double from 4 until the picture changes by `image.sampling_error` (RMSE) or less,
-    /// to 64 at most.
+    /// Enough for a stated error: they double from 4 to at most 64, until the picture changes by no more than
+    /// `image.sampling_error` (RMSE).
     Auto,
     /// Fixed number: 1, 2, 4, 8, 16, 32 or 64.
     Count(u32),

@@ -1,8 +1,8 @@
 //! Splats and tiles that the images of a frame with samples share in a window: each shows the same splats, moved by a
-//! fraction of a pixel. The first image projects and bins them, without its shift and with rectangles that hold for any; the
-//! others take them from there, and every stage moves the splats that it reads.
+//! fraction of a pixel. The first image projects and bins them, without its shift and with rectangles that hold for
+//! any; the others take them from there, and every stage moves the splats that it reads.
 //!
-//! A moved place is rounded once more than a projected one: by 2^-25 of a pixel (shaders/shared/splat.wgsl).
+//! A moved place is rounded once more than a projected one: by 2^-25 of a pixel (shaders/shared/stored_splat.wgsl).
 
 use std::cell::RefCell;
 use std::rc::Rc;
