@@ -41,9 +41,9 @@ pub const MAX_SAMPLES: u32 = 64;
 /// `samples`: samples of a pixel's area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Samples {
-    /// Enough for `sampling_error`, from 4 to [`MAX_SAMPLES`].
+    /// Enough for `sampling_error`, from 4 to 64.
     Auto,
-    /// A power of two, from 1 to [`MAX_SAMPLES`].
+    /// A power of two, from 1 to 64.
     Count(u32),
 }
 
