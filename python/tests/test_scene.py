@@ -196,7 +196,8 @@ def test_keys_that_are_not_there_are_key_errors(scene):
             scene.get(key)
     assert scene.get("clip") is None
     assert scene.get("cloud.*.opacity") == 0.25
-    with pytest.raises(AttributeError, match=r"^\[image\] has no key 'nokey'; it has size, background, samples, sampling_error, color$"):
+    keys = "size, background, samples, sampling_error, color"
+    with pytest.raises(AttributeError, match=rf"^\[image\] has no key 'nokey'; it has {keys}$"):
         del scene.image.nokey
     for key in ("shadows", "cloud.0.class", "cloud.*.radius", "clip"):
         scene.set(key, None)

@@ -116,7 +116,8 @@ def test_pictures_get_finer_until_nothing_is_left_out(made: Made) -> None:
 def test_the_whole_picture_is_that_of_render(made: Made) -> None:
     request = replace(made.request, samples=16)
     own = made.painter.whole(request)
-    expected = pellucid.render(POINTS, opacity=0.3, method="stochastic", method__samples=16, size=(160, 120), camera=made.request.camera)
+    of_picture = {"size": (160, 120), "camera": made.request.camera}
+    expected = pellucid.render(POINTS, opacity=0.3, method="stochastic", method__samples=16, **of_picture)
     np.testing.assert_array_equal(own.rgba, expected.rgba)
 
 
