@@ -173,12 +173,12 @@ def test_a_table_takes_a_dict(scene):
     assert scene.given() == before
 
 
-def test_a_plain_name_of_several_tables_is_the_method_s(scene):
+def test_a_plain_name_of_several_tables_is_the_method_s_unless_a_keyword_has_it(scene):
     scene.update(method__samples=8, min_layer_distance=0.5, color="red")
     assert scene.given()["method"] == {"name": "stochastic", "samples": 8, "min_layer_distance": 0.5}
     assert scene.given()["cloud"][0]["color"] == "red"
     assert "shadows" not in scene.given()
-    # But these have a name of their own in every signature: the samples of a picture.
+    # A keyword of every call: the samples of the picture.
     scene.update(samples=4)
     assert (scene.get("image.samples"), scene.get("method.samples")) == (4, 8)
     scene.update(shadows__resolution=256, shadows__samples=2)
