@@ -33,6 +33,7 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         background: _,
         samples,
         only,
+        four: _,
     } = frame;
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {

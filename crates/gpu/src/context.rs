@@ -13,7 +13,7 @@ use super::deletions::Deletions;
 use super::instance::Instance;
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, has_extension, queue_family};
 use super::pipeline::{Compilation, Pipeline, PipelineKey};
-use super::{Error, cache, fault, guard};
+use super::{Declaration, Error, Variant, cache, fault, guard, shader};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
@@ -69,10 +69,15 @@ pub struct Context {
     pub allowed: AtomicU64,
     /// All pipelines so far.
     pub pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
+    /// Which overrides shaders have, of those that were asked for.
+    overrides: Mutex<HashMap<OverrideKey, bool>>,
     /// Times at which each of them was made.
     pub compilations: Mutex<Vec<Compilation>>,
     cache_key: String,
 }
+
+/// Shader, the pieces that it takes, and the name of an override.
+type OverrideKey = (&'static str, Option<&'static str>, Option<&'static str>, &'static str);
 
 /// Locks a mutex, also after a panic of another thread.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -147,6 +152,7 @@ impl Context {
             uploaded: AtomicU64::new(0),
             waits: AtomicU64::new(0),
             pipelines: Mutex::default(),
+            overrides: Mutex::default(),
             compilations: Mutex::default(),
             cache_key,
         })
@@ -237,6 +243,17 @@ impl Context {
                 Err(_) => self.device.destroy_command_pool(commands.pool, None),
             }
         }
+    }
+
+    /// Returns `true` if the shader of a pass has an override of this name, with the pieces of a variant.
+    pub fn has_override(&self, pass: &Declaration, variant: &Variant, name: &'static str) -> Result<bool, Error> {
+        let key = (pass.shader, pass.piece, variant.walker, name);
+        if let Some(has) = lock(&self.overrides).get(&key) {
+            return Ok(*has);
+        }
+        let has = shader::has_override(pass, variant, name)?;
+        lock(&self.overrides).insert(key, has);
+        Ok(has)
     }
 
     /// Returns the pipeline of a key, built at its first use.

@@ -45,7 +45,7 @@ pub use pass::{Access, Binding, Declaration, Group, PARTS, Pass, PushConstants, 
 pub use paused::Paused;
 pub use pipeline::{Blend, Compilation, Outputs, PipelineSource};
 pub use preferences::Preferences;
-pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Stamps, Submitted, Targets, Vertices};
+pub use recorder::{Dispatch, Draw, Given, PassTime, Recorder, Run, Stamps, Submitted, Targets, Vertices};
 pub use scratch::Scratch;
 pub use shader::Variant;
 

@@ -1,5 +1,6 @@
 // Reaching every splat by its index, however many there are.
-#import stored_splat
+#import splat
+#import view
 
 // Splats' colors (linear or encoded RGB, opacity) and footprints. A binding is limited (128 MiB on lavapipe), so each
 // array is bound as four parts of PART_LENGTH elements.

@@ -3,6 +3,7 @@
 // handed to all invocations one by one by shuffles. The stage binds `view`.
 #import splat
 #import middle
+#import sample_place
 
 // Pixels of a block that an invocation holds, blocks of a tile in x and y.
 const HELD = BLOCK_SIDE * BLOCK_SIDE / SUBGROUP;
@@ -30,10 +31,10 @@ fn reach_of(splat: Splat) -> f32 {
     return select(1e9, stretched, of_depth < 0.9);
 }
 
-// True if a screen-aligned splat reaches so far out, give or take rounding, which grows with `middle`. The pixel of the
-// center, always covered, lies at most 0.71 away.
+// True if a screen-aligned splat reaches so far out, give or take rounding, which grows with `middle`. The samples that
+// are always covered lie at most 0.71 of the picture's pixels away.
 fn reaches(outside: vec2<f32>, radius: f32, middle: vec2<f32>) -> bool {
-    let reach = max(radius, 0.75) + 1e-5 * (radius + abs(middle.x) + abs(middle.y));
+    let reach = max(radius, 0.75 * columns_of_pixel()) + 1e-5 * (radius + abs(middle.x) + abs(middle.y));
     if SHAPE == SHAPE_SQUARE {
         return all(outside <= vec2<f32>(reach));
     }
@@ -44,7 +45,7 @@ fn reaches(outside: vec2<f32>, radius: f32, middle: vec2<f32>) -> bool {
 fn touches(splat: Splat, low: vec2<u32>) -> bool {
     let half = 0.5 * f32(BLOCK_SIDE - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
-    let outside = max(abs(middle) - half, vec2<f32>(0.0));
+    let outside = max(abs(middle) - (half + most_aside()), vec2<f32>(0.0));
     let radius = reach_of(splat);
     return reaches(outside, radius, middle);
 }

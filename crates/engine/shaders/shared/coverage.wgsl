@@ -2,6 +2,7 @@
 #import splat
 #import gaussian
 #import middle
+#import sample_place
 
 struct Coverage {
     hit: bool,
@@ -26,9 +27,18 @@ fn lens_of_view() -> Lens {
     return Lens(middle_of_image(), view.focal.x, view.eye_hi.w, view.orthographic != 0u);
 }
 
-// From the projected center to a pixel's center, in pixels: exact up to one rounding.
-fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
-    return whole + (0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y));
+// From the projected center to a pixel's sample, in pixels: exact up to one rounding.
+fn offset_of(splat: Splat, whole: vec2<f32>, pixel: vec2<u32>) -> vec2<f32> {
+    return whole + (sample_in(pixel) - vec2<f32>(splat.fraction_x, splat.fraction_y));
+}
+
+// True if the pixel of the picture around a sample contains a center: the center's own pixel, unless pixels are quarters.
+// Its right and lower border lie outside.
+fn contains(whole: vec2<f32>, offset: vec2<f32>) -> bool {
+    if QUARTERS == 0u {
+        return all(whole == vec2<f32>(0.0));
+    }
+    return all(offset > vec2<f32>(-1.0)) && all(offset <= vec2<f32>(1.0));
 }
 
 // The ray through a pixel against the disc's plane, with everything in pixels at the center's depth and relative to the
@@ -36,13 +46,13 @@ fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
 // from the center and t pixels nearer than it.
 fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u32>, lens: Lens) -> Coverage {
     let normal = tilt.xyz;
-    let o = offset_of(splat, whole);
+    let o = offset_of(splat, whole, pixel);
     let along = normal.x * o.x + normal.y * o.y;
     var ray = vec3<f32>(0.0, 0.0, 1.0);
     var unit = 1.0 / lens.focal;
     var facing = tilt.w;
     if !lens.orthographic {
-        let from_middle = vec2<f32>(pixel) + 0.5 - lens.middle;
+        let from_middle = vec2<f32>(pixel) + sample_in(pixel) - lens.middle;
         ray = vec3<f32>(from_middle / lens.focal, 1.0);
         unit = (splat.depth + lens.origin) / lens.focal;
         facing += along / lens.focal;
@@ -55,7 +65,7 @@ fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u
     if squared <= splat.radius * splat.radius && (lens.orthographic || depth + lens.origin > 0.0) {
         return Coverage(true, depth, relative_distance(sqrt(squared), splat.radius));
     }
-    return Coverage(all(whole == vec2<f32>(0.0)), splat.depth, 1.0);
+    return Coverage(contains(whole, o), splat.depth, 1.0);
 }
 
 fn relative_distance(distance: f32, radius: f32) -> f32 {
@@ -84,17 +94,17 @@ fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Coverage {
 // The same where the way from the center's pixel is known.
 fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>) -> Coverage {
     let lens = lens_of_view();
-    let in_center = all(whole == vec2<f32>(0.0));
+    let offset = offset_of(splat, whole, pixel);
+    let in_center = contains(whole, offset);
     if SHAPE == SHAPE_POINT {
         return Coverage(in_center, splat.depth, 1.0);
     }
     if is_gaussian(splat) {
-        return cover_gaussian(splat, tilt, offset_of(splat, whole));
+        return cover_gaussian(splat, tilt, offset);
     }
     if may_tilt() && any(tilt.normal.xyz != vec3<f32>(0.0)) {
         return cover_oriented(splat, tilt.normal, whole, pixel, lens);
     }
-    let offset = offset_of(splat, whole);
     if SHAPE == SHAPE_SQUARE {
         let inside = all(abs(offset) <= vec2<f32>(splat.radius));
         // The rim counts where only the center's own pixel is covered.

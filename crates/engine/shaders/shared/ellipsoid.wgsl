@@ -13,7 +13,7 @@ struct Chord {
 // of it goes through the depth z t sqrt(1 - rho^2) / sqrt(B). Both are found as parts of z, relative to the center:
 // small ellipsoids may be far.
 fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Chord {
-    let d = offset_of(splat, whole_to(splat, pixel));
+    let d = offset_of(splat, whole_to(splat, pixel), pixel);
     let v = vec2<f32>(tilt.normal.x * d.x, tilt.normal.y * d.x - splat.radius * d.y);
     let squared = dot(v, v);
     let along = v.x * tilt.rest.y + v.y * tilt.rest.z;

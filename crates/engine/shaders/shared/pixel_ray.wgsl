@@ -14,7 +14,7 @@ fn ray_of(pixel: vec2<u32>) -> vec4<f32> {
     if view.orthographic != 0u {
         return vec4<f32>(0.0, 0.0, 1.0, 1.0);
     }
-    let from_middle = vec2<f32>(pixel) + 0.5 - middle_of_image();
+    let from_middle = vec2<f32>(pixel) + sample_in(pixel) - middle_of_image();
     let v = vec3<f32>(from_middle / view.focal.x, 1.0);
     let stretch = length3(v);
     return vec4<f32>(v / stretch, stretch);

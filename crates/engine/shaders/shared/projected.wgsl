@@ -3,6 +3,7 @@
 #import splat
 #import stats
 #import camera
+#import sample_place
 
 @group(0) @binding(6) var<storage, read_write> splats: array<PackedSplat>;
 @group(0) @binding(7) var<storage, read_write> tilts: array<vec4<f32>>;
@@ -30,18 +31,22 @@ fn put_splat(i: u32, splat: Splat, tilt: Tilt) {
 
 // First column and row of the rectangle of pixels that lie so far to the left, top, right and bottom of the center, and
 // one past the last; zero if it misses the part of the image in work. `always`: with the center's own pixel in any
-// case. It holds wherever the splat is moved to later on.
+// case.
 fn rectangle_of(splat: Splat, reach: vec4<f32>, always: bool) -> vec4<u32> {
     let pixel = center_pixel(splat);
     let fraction = vec2<f32>(splat.fraction_x, splat.fraction_y);
-    // Pixel i of the neighborhood has its center at i + 0.5.
+    // Pixel i of the neighborhood has its sample at i + 0.5, or up to `most` away from there.
     let limit = vec2<f32>(65536.0);
-    let most = view.shift.zw;
+    let most = most_aside();
     let low = pixel + vec2<i32>(clamp(ceil(fraction - reach.xy - 0.5 - most), -limit, limit));
     let high = pixel + vec2<i32>(clamp(floor(fraction + reach.zw - 0.5 + most), -limit, limit));
-    // The pixels that the center may come to lie in.
-    let first = pixel - select(vec2<i32>(0), vec2<i32>(1), most > fraction);
-    let last = pixel + select(vec2<i32>(0), vec2<i32>(1), most >= 1.0 - fraction);
+    var first = pixel;
+    var last = pixel;
+    if QUARTERS != 0u {
+        // Quarters of the pixel of the picture that contains the center, as it is moved for each of their images.
+        first -= select(vec2<i32>(0), vec2<i32>(1), fraction <= vec2<f32>(0.5 + most));
+        last += select(vec2<i32>(0), vec2<i32>(1), fraction >= vec2<f32>(0.5 - most));
+    }
     let window_low = vec2<i32>(view.window.xy);
     let window_high = vec2<i32>(view.window.zw);
     let l = vec2<u32>(clamp(select(low, min(low, first), always), window_low, window_high));

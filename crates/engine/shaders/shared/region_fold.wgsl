@@ -31,7 +31,7 @@ fn region_corner(region: u32, block: vec2<u32>) -> vec2<u32> {
 fn touches_region(splat: Splat, low: vec2<u32>) -> bool {
     let half = 0.5 * vec2<f32>(REGION - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
-    let outside = max(abs(middle) - half, vec2<f32>(0.0));
+    let outside = max(abs(middle) - (half + most_aside()), vec2<f32>(0.0));
     return reaches(outside, splat.radius, middle);
 }
 

@@ -193,7 +193,7 @@ fn quick_hit(slot: Slot) -> Hit {
     let place = rounded(from_eye);
     let scale = view.focal.x / select(1.0, depth, view.orthographic == 0u);
     // Pixels from the image's middle.
-    let odd = 0.5 * vec2<f32>(view.size % 2u) + view.shift.xy;
+    let odd = 0.5 * vec2<f32>(view.size % 2u) + view.shift;
     let at = vec2<f32>(dot3(place, view.right.xyz), dot3(place, view.down.xyz)) * scale + odd;
     let area = area_of(slot.point, place, depth);
     let half = half_side(area);

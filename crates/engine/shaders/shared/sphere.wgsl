@@ -24,7 +24,7 @@ fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>, ray: vec4<f32>) -> Chord
         return exact_chord(splat, tilt.normal, pixel, ray);
     }
     let unit = select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u) / view.focal.x;
-    let from_center = vec3<f32>(offset_of(splat, whole_to(splat, pixel)) * unit, 0.0);
+    let from_center = vec3<f32>(offset_of(splat, whole_to(splat, pixel), pixel) * unit, 0.0);
     let distance = length3(cross3(from_center, ray.xyz));
     let middle = splat.depth - dot3(from_center, ray.xyz) / ray.w;
     let edge = (splat.radius - distance) / splat.radius;
@@ -36,14 +36,14 @@ fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>, ray: vec4<f32>) -> Chord
 // The same where a sphere is so dense that it is opaque unless a ray passes within 10^-4 of its rim: what float32 knows
 // of the distance is no more than a few thousandths of that.
 fn exact_chord(splat: Splat, low: vec4<f32>, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
-    let whole = vec2<f32>(vec2<i32>(pixel) - center_pixel(splat)) + 0.5;
+    let whole = vec2<f32>(vec2<i32>(pixel) - center_pixel(splat)) + sample_in(pixel);
     let x = add2(vec2<f32>(whole.x, 0.0), -vec2<f32>(splat.fraction_x, low.x));
     let y = add2(vec2<f32>(whole.y, 0.0), -vec2<f32>(splat.fraction_y, low.y));
     var depth = vec2<f32>(1.0, 0.0);
     var slopes = array<vec2<f32>, 2>(vec2<f32>(0.0), vec2<f32>(0.0));
     if view.orthographic == 0u {
         depth = add2(vec2<f32>(splat.depth, low.z), vec2<f32>(depth_origin(), 0.0));
-        let from_middle = vec2<f32>(pixel) + 0.5 - middle_of_image();
+        let from_middle = vec2<f32>(pixel) + sample_in(pixel) - middle_of_image();
         slopes[0] = divide2(vec2<f32>(from_middle.x, 0.0), view.focal);
         slopes[1] = divide2(vec2<f32>(from_middle.y, 0.0), view.focal);
     }

@@ -31,6 +31,10 @@ fn pack_splat(splat: Splat) -> PackedSplat {
     return vec4<u32>(bitcast<u32>(splat.fraction_x), bitcast<u32>(splat.fraction_y), splat.pixel, bitcast<u32>(splat.radius));
 }
 
+fn unpack_splat(splat: PackedSplat, depth: f32) -> Splat {
+    return Splat(bitcast<f32>(splat.x), bitcast<f32>(splat.y), splat.z, depth, bitcast<f32>(splat.w));
+}
+
 // The rest of an oriented disc: its unit normal n in camera axes and n.c / z for its center c, the slope of the
 // plane against the center's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
 // fraction_x, fraction_y and depth. Of a Gaussian what shared/gaussian.wgsl says; that alone has a rest, the next

@@ -2,7 +2,6 @@
 #import elementary
 #import camera
 #import splat
-#import stored_splat
 #import falloff
 
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;

@@ -46,9 +46,12 @@ struct View {
     // Of Gaussians: least and most opacity of a fragment, and what is added to the variances on the screen, in square
     // pixels; 1 in the last: opacity is less by as much as that adds.
     gaussian: vec4<f32>,
-    // Pixels by which projected positions are moved, in x and y. In z and w those by which splats are moved that were
-    // projected without: to the projection the most that they may be moved later on.
-    shift: vec4<f32>,
+    // Where quarters of pixels are drawn, the place of the sample in one of even column and row; in z how much farther
+    // that of odd ones lies; in w how far samples lie from the middle at most (shared/sample_place.wgsl).
+    sample: vec4<f32>,
+    // Pixels by which projected positions are moved, in x and y.
+    shift: vec2<f32>,
+    padding: vec2<f32>,
 }
 
 // Place of a pixel in the buffers of the rectangle in work.

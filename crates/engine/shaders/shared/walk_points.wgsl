@@ -44,7 +44,7 @@ fn images() -> u32 {
 // whose depths the picture has, number samples / 2, is the last one.
 fn shift_of(image: u32) -> vec2<f32> {
     if SEVERAL == 0u {
-        return view.shift.xy;
+        return view.shift;
     }
     let turn = push.first_turn + image;
     let middle = push.samples / 2u;
@@ -57,7 +57,7 @@ fn shift_of(image: u32) -> vec2<f32> {
 
 // Where a point shows, and how near, without doubt.
 fn exact_hit(i: u32, image: u32) -> Hit {
-    view.shift = vec4<f32>(shift_of(image), 0.0, 0.0);
+    view.shift = shift_of(image);
     let point = locate(points_hi[i].xyz, points_lo[i].xyz);
     let pixel = vec2<i32>(point.column.pixel, point.row.pixel);
     let window = vec4<i32>(view.window);

@@ -8,19 +8,14 @@
         return;
     }
     let rect = bounds[i];
-    let met = bounds_max(rect) - bounds_min(rect);
-    if met.x * met.y > view.small_area || !in_band(bounds_min(rect), bounds_max(rect)) {
+    let low = bounds_min(rect);
+    let high = bounds_max(rect);
+    let extent = high - low;
+    if extent.x * extent.y > view.small_area || !in_band(low, high) {
         return;
     }
     let splat = splat_of(i);
     let tilt = tilt_of(i);
-    let covered = narrowed(splat, bounds_min(rect), bounds_max(rect));
-    let low = covered.xy;
-    let high = covered.zw;
-    if any(low >= high) {
-        return;
-    }
-    let extent = high - low;
     // One loop over both axes: invocations that run in step wait for the largest rectangle, not for the widest row of
     // each.
     var pixel = low;

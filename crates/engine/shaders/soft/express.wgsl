@@ -1,6 +1,7 @@
 // soft/express: composes the soft discs of each tile in the order of an axis (Seemann et al. 2018, Section 3.3), as
 // sorted/blend does. Runs over a tile's splats go on from one another's sums, so that where they are cut changes no
 // bit. Reference: reference::soft.
+#import coverage
 #import over
 #import stop
 #import profile
@@ -54,14 +55,17 @@ fn disc_of(splat: Splat, key: u32, color: vec4<f32>, corner: vec2<u32>) -> Hande
     let rest = 0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y);
     // Finite, since the square of a tiny radius may be 0.
     let scale = min(1.0 / (splat.radius * splat.radius), 3e38);
-    // Of a radius of 0 nothing is left, since d / r counts as 1: its middle comes to lie beside those of all pixels.
-    return Handed(splat, pixel, select(vec2<f32>(0.25), rest, splat.radius > 0.0), scale, splat.radius, key, color);
+    return Handed(splat, pixel, rest, scale, splat.radius, key, color);
 }
 
 // One disc over one of this invocation's pixels, `further` along from the first one; `disc.pixel` relative to that.
-fn add(front: Composed, disc: Handed, further: vec2<u32>, wall: u32) -> Composed {
-    let offset = (vec2<f32>(further) - disc.pixel) + disc.rest;
-    let squared = min(dot(offset, offset) * disc.scale, 1.0);
+fn add(front: Composed, disc: Handed, further: vec2<u32>, aside: vec2<f32>, wall: u32) -> Composed {
+    let offset = (vec2<f32>(further) - disc.pixel) + (disc.rest + aside);
+    var squared = min(dot(offset, offset) * disc.scale, 1.0);
+    // Of a radius of 0 nothing is left, since d / r counts as 1. Only who counts them is shown any.
+    if COUNTED != 0u {
+        squared = select(1.0, squared, disc.radius > 0.0);
+    }
     var alpha = push.peak * profile(squared);
     if MODULATED != 0u {
         alpha = push.peak * (1.0 - sqrt(squared)) * (1.0 - disc.color.a) + alpha * disc.color.a;
@@ -72,11 +76,11 @@ fn add(front: Composed, disc: Handed, further: vec2<u32>, wall: u32) -> Composed
     return behind(front, disc.key, vec4<f32>(disc.color.rgb, alpha));
 }
 
-// 1 if a disc covers a pixel, as `cover` in shared/splat.wgsl has it, and lies before its solid point.
-fn counts_as(disc: Handed, further: vec2<u32>, wall: u32) -> u32 {
+// 1 if a disc covers a pixel, as `cover` in shared/coverage.wgsl has it, and lies before its solid point.
+fn counts_as(disc: Handed, further: vec2<u32>, aside: vec2<f32>, wall: u32) -> u32 {
     let whole = vec2<f32>(further) - disc.pixel;
-    let offset = whole + disc.rest;
-    let inside = dot(offset, offset) <= disc.radius * disc.radius || all(whole == vec2<f32>(0.0));
+    let offset = whole + (disc.rest + aside);
+    let inside = dot(offset, offset) <= disc.radius * disc.radius || contains(whole, offset);
     return u32(inside && disc.key < wall);
 }
 
@@ -104,7 +108,8 @@ fn farthest{block}() -> u32 {
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     var far = 0u;
 #each block     if block == {block}u { far = far{block}; }
-    return own.key < far && touches(own.splat, corner + block_corner(block));
+    let is_shown = COUNTED != 0u || own.radius > 0.0;
+    return is_shown && own.key < far && touches(own.splat, corner + block_corner(block));
 }
 
 fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
@@ -129,10 +134,12 @@ fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
 // `disc.pixel` is relative to the invocation's first pixel.
 fn show(before: PixelState, disc: Handed, further: vec2<u32>, pixel: vec2<u32>) -> PixelState {
     var held = before;
+    // From the middle of the pixel.
+    let aside = sample_in(pixel) - 0.5;
     if COUNTED != 0u {
-        held.count += counts_as(disc, further, held.wall);
+        held.count += counts_as(disc, further, aside, held.wall);
     }
-    held.sum = add(held.sum, disc, further, held.wall);
+    held.sum = add(held.sum, disc, further, aside, held.wall);
     return held;
 }
 

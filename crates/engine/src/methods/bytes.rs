@@ -56,11 +56,10 @@ impl PassRuns<'_> {
     pub fn projected(&self, tilted: bool) -> Option<u64> {
         let facts = self.facts;
         let normal = if self.cloud.has_normals() || self.cloud.casting().is_some() { 16 } else { 0 };
-        let projected = facts.projected();
-        let points = projected.points * (32 + 16 + normal + 8) * projected.windows.max(1);
+        let points = facts.points * (32 + 16 + normal + 8) * facts.windows.max(1);
         // How many of them touch the image is known of both together.
         (self.name == "project/splats" && facts.gaussians == 0)
-            .then(|| points + projected.visible * (self.splat(tilted) + 16))
+            .then(|| points + facts.visible * (self.splat(tilted) + 16))
     }
 
     /// Bytes of passes that every engine has: empty pixels, the copy to the host, and shadows.

@@ -1,18 +1,18 @@
 //! The engine of a method, as the renderer sees it, and the tools an engine works with.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 
 use crate::progress::Progress;
 
 use super::explain::Explain;
 use super::parts::{Plane, SamplePart, Sums};
-use super::projected::{Projected, project, project_moving};
-use super::shared::Shared;
+use super::points::Several;
+use super::projected::{Projected, project};
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::{self, Bin, Binned, Bins};
+use crate::passes::bin::Binned;
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, PointExtent, Projecting, Stats};
 use crate::passes::raster::Walker;
@@ -27,6 +27,13 @@ pub(crate) trait Engine: Explain {
     /// # Errors
     /// Not even the smallest window fits.
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error>;
+
+    /// Cuts a window that turned out to be too large; `None` for a single pixel.
+    /// Returns `true` if four images are drawn at once where a frame has that many: if each pixel follows from what
+    /// covers its sample alone, without its neighbors and without random numbers.
+    fn takes_fours(&self) -> bool {
+        true
+    }
 
     /// Cuts a window that turned out to be too large; `None` for a single pixel.
     fn halves(&self, window: Window) -> Option<[Window; 2]> {
@@ -183,8 +190,8 @@ pub struct Switches {
     pub wide_atomics: bool,
     /// `true` if ensembles are drawn in one go where possible.
     pub single_pass: bool,
-    /// `true` if the images of a frame with samples share splats and tiles.
-    pub shares_splats: bool,
+    /// `true` if images of a frame with samples are drawn several at a time, where the method can.
+    pub together: bool,
     /// The largest number of bits of a key for epochs of ensembles.
     pub epoch_bits: u32,
     /// Layers after which `peel` gives up.
@@ -197,7 +204,7 @@ impl Switches {
         Self {
             wide_atomics: device.int64_atomics,
             single_pass: true,
-            shares_splats: true,
+            together: true,
             epoch_bits: 31,
             max_layers: MAX_LAYERS,
         }
@@ -212,8 +219,9 @@ pub(crate) struct Work<'a> {
     pub frame: &'a Frame,
     /// The window.
     pub window: Window,
-    /// Splats and tiles that the images of a frame with samples share in this window; `None` if there is one image.
-    pub shared: Option<&'a Shared>,
+    /// Images of the frame whose nearest points were found last in this window, of frames that are drawn image by image;
+    /// `None` if there is one image.
+    pub several: Option<&'a Cell<Option<Several>>>,
     /// The memory that may be used.
     pub budget: Budget,
     /// Samples or ensembles to draw; none where the engine draws no random ones.
@@ -252,34 +260,9 @@ impl Work<'_> {
         }
     }
 
-    /// Projects a cloud's points to splats of the window, unless those of another image of the frame serve. Returns
-    /// the results by chunk.
+    /// Projects a cloud's points to splats of the window. Returns the results by chunk.
     pub fn project(&mut self, cloud: &mut DeviceCloud, how: &Projecting) -> Result<Projected, Error> {
-        let of = (self.frame, self.window);
-        let Some(shared) = self.shared.filter(|_| how.footprint.can_move()) else {
-            return project(self.device, cloud, of, how, self.timeline);
-        };
-        if let Some(projected) = shared.projected(self.device, cloud, of, how, self.timeline)? {
-            self.note_later(|facts, _| facts.shared_projections += 1);
-            return Ok(projected);
-        }
-        let most = Some(shared.most_shift());
-        let projected = project_moving(self.device, cloud, of, how, most, self.timeline)?;
-        shared.keep_projection(cloud, (self.window, how), &projected.found);
-        Ok(projected)
-    }
-
-    /// Bins the splats of a window ([`Bins::bin`]), unless the tiles of another image of the frame serve.
-    pub fn bin(&mut self, bins: &mut Bins, job: &bin::Job<'_>) -> Result<Bin, Error> {
-        if let Some(binned) = self.shared.and_then(|shared| shared.binned(bins, job)) {
-            self.note_later(|facts, _| facts.shared_bins += 1);
-            return Ok(Bin::Done(binned));
-        }
-        let found = bins.bin(self.device, job, self.timeline)?;
-        if let (Some(shared), Bin::Done(binned)) = (self.shared, found) {
-            shared.keep_bins(bins, job, binned);
-        }
-        Ok(found)
+        project(self.device, cloud, (self.frame, self.window), how, self.timeline)
     }
 
     /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window
@@ -306,7 +289,7 @@ impl Work<'_> {
 
     /// Adds a window to the frame's counts.
     pub fn note(&mut self, projected: &Projected, walker: Walker) {
-        let found = projected.found.clone();
+        let found = projected.found;
         self.note_later(move |facts, timeline| facts.note(&found.stats(timeline), walker));
     }
 

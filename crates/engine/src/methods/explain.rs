@@ -230,11 +230,7 @@ impl FramePlan<'_> {
         self.cleared();
         let gaussians = if self.frame.method.discs().is_some() { self.facts.gaussians } else { 0 };
         let points = self.facts.points.saturating_sub(gaussians);
-        let once = match self.facts.shared_projections {
-            0 => String::new(),
-            shared => format!("; {shared} of {} images take their splats from others", self.facts.windows),
-        };
-        self.add("project/splats", points > 0, format!("{points} points; {}{once}", self.shading()));
+        self.add("project/splats", points > 0, format!("{points} points; {}", self.shading()));
         self.add("project/gaussians", gaussians > 0, format!("{gaussians} Gaussians, each projected to an ellipse"));
         self.found();
     }
@@ -303,12 +299,8 @@ impl FramePlan<'_> {
 
     /// Splats that are in order into their tiles.
     pub fn bins(&mut self, by: &str) {
-        let once = match self.facts.shared_bins {
-            0 => String::new(),
-            shared => format!("; {shared} of {} images take their tiles from others", self.facts.windows),
-        };
         let reasons = [
-            format!("splats are read {by}{once}"),
+            format!("splats are read {by}"),
             "counters start at zero".to_owned(),
             format!("{} counters, one for each tile and run of splats", self.facts.tile_cells),
             "the longest list of a tile decides how often tiles are dispatched".to_owned(),

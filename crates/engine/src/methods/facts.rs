@@ -81,12 +81,12 @@ pub struct Facts {
     pub light_views: u64,
     /// Columns and rows of these images.
     pub light_resolution: u32,
-    /// Windows of the image; of each of its images, where it has samples.
+    /// Images that were drawn one after the other: four at once are one.
+    pub images: u64,
+    /// Windows of the image; of each that is drawn for it, where it has samples.
     pub windows: u64,
-    /// Projections that windows of further images took from the first one.
-    pub shared_projections: u64,
-    /// Tiles of splats that they took from there.
-    pub shared_bins: u64,
+    /// Images of windows whose nearest points were found with those of earlier ones.
+    pub shared_walks: u64,
     /// Points of windows that were shaded once for all images.
     pub shaded_points: u64,
     /// Largest number of device bytes at any time of the frame, cloud and image included.
@@ -105,31 +105,6 @@ pub struct ThinCloud {
 }
 
 impl Facts {
-    /// Returns the counts of windows that were projected themselves: images of a window have the same splats.
-    pub(super) fn projected(&self) -> Self {
-        self.without(self.shared_projections)
-    }
-
-    /// Returns the counts of windows that were binned themselves.
-    pub(super) fn binned(&self) -> Self {
-        self.without(self.shared_bins)
-    }
-
-    /// The counts without those of `shared` windows, all alike.
-    fn without(&self, shared: u64) -> Self {
-        let (own, all) = (self.windows.saturating_sub(shared), self.windows.max(1));
-        let of = |count: u64| {
-            if shared == 0 { count } else { (u128::from(count) * u128::from(own) / u128::from(all)) as u64 }
-        };
-        Self {
-            windows: of(self.windows),
-            visible: of(self.visible),
-            tile_entries: of(self.tile_entries),
-            bands: of(self.bands),
-            ..self.clone()
-        }
-    }
-
     /// Adds a finished window.
     pub(super) fn note(&mut self, stats: &[Stats], walker: Walker) {
         self.windows += 1;

@@ -55,6 +55,10 @@ pub struct Frame {
     pub samples: u32,
     /// The one of these images that is drawn ([`Self::image`]); `None` draws their mean.
     pub only: Option<u32>,
+    /// The four of them that a renderer draws at once, by their number among all fours: the size is then twice that of
+    /// the picture, of which each pixel has four quarters.
+    #[doc(hidden)]
+    pub four: Option<u32>,
 }
 
 /// Factors on the uploaded values, so that another radius or opacity needs no upload.
@@ -95,6 +99,7 @@ impl Frame {
             factors: Factors::default(),
             samples: 1,
             only: None,
+            four: None,
         }
     }
 

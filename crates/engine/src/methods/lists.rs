@@ -147,7 +147,7 @@ impl Engine for ListEngine {
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.key_range(), budget, counted_bytes };
         let (mut ordered, in_order) = (0, OnceCell::new());
         if self.in_order(device, frame, &bin)
-            && let Bin::Done(binned) = work.bin(bins, &bin)?
+            && let Bin::Done(binned) = bins.bin(device, &bin, work.timeline)?
         {
             work.note_binned(binned);
             let bins: &Bins = bins;

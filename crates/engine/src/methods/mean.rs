@@ -3,6 +3,12 @@
 //! Sample i of N lies at x = (i + ½)/N, y = v(i) + 1/(2N) of its pixel, v the radical inverse of i in base 2: N points
 //! of which each column and each row of N × N cells has one (Hammersley). Image i is that of the same scene with every
 //! projected position moved by (½ − x, ½ − y) pixels, so that the centers of its pixels are these samples.
+//!
+//! Let N be at least 4, and call the samples that have all bits of i in common but the first and the last one a four.
+//! One of each four lies in each quarter of a pixel, half as wide and high, since the first bit of i is that of x and the
+//! last one that of y. So four images can be drawn at once, as one of twice as many columns and rows, each of whose
+//! pixels has its sample where that of its image lies in its quarter (shaders/shared/sample_place.wgsl). What covers a
+//! pixel of the picture covers fewer pixels of such an image than those of four images: tiles are finer.
 
 use std::cmp::Ordering;
 
@@ -10,19 +16,30 @@ use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
 use super::Frame;
+use super::engine::Counts;
 use crate::color::{ColorSpace, decode_srgb, encode_srgb};
 use crate::image::Image;
 use crate::passes::bands::Window;
+use crate::passes::project::SamplePlaces;
 
 /// The numbers of samples that a frame may have.
 pub const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Returns the pixels by which image `index` of `count` is moved: multiples of 1/128, within half a pixel.
-pub(super) fn shift(index: u32, count: u32) -> DVec2 {
+/// Returns where in a pixel sample `index` of `count` lies: at multiples of 1/128.
+fn place(index: u32, count: u32) -> DVec2 {
     let of = f64::from(count);
     let inverse = f64::from(index.reverse_bits()) / f64::from(1u32 << 31) / 2.0;
-    DVec2::new(0.5 - (f64::from(index) + 0.5) / of, 0.5 - (inverse + 0.5 / of))
+    DVec2::new((f64::from(index) + 0.5) / of, inverse + 0.5 / of)
 }
+
+/// Returns the pixels by which image `index` of `count` is moved, within half a pixel.
+fn shift(index: u32, count: u32) -> DVec2 {
+    0.5 - place(index, count)
+}
+
+/// Columns and rows of a picture up to which four images are drawn at once: the middle of an image with twice as many
+/// is at most as far from its border as the place of a splat is known to a fraction of a pixel.
+const LARGEST: u32 = 16_000;
 
 impl Frame {
     /// Returns the frame of one of the images whose mean is this frame's.
@@ -33,13 +50,37 @@ impl Frame {
     }
 
     /// Returns the frames of all images, that whose depths the picture has last: number N/2.
-    pub fn images(&self) -> Vec<Self> {
-        if self.samples == 1 || self.only.is_some() {
+    pub(super) fn images(&self) -> Vec<Self> {
+        if !self.is_mean() {
             return vec![*self];
         }
         let middle = self.samples / 2;
         let others = (0..self.samples).filter(|index| *index != middle);
         others.chain([middle]).map(|index| self.image(index)).collect()
+    }
+
+    /// Returns the frames of all images, four at a time, where each pixel has fours of samples of which one lies in each
+    /// quarter. Whoever lights a pixel by those around it needs each image by itself.
+    pub(super) fn fours(&self) -> Option<Vec<Self>> {
+        let [width, height] = self.size;
+        let fits = self.is_mean() && self.samples >= 4 && width.max(height) <= LARGEST && !self.shading.edl.edl;
+        let size = [2 * width, 2 * height];
+        fits.then(|| (0..self.samples / 4).map(|four| Self { size, four: Some(four), ..*self }).collect())
+    }
+
+    /// Returns where the samples of pixels lie.
+    pub(super) fn places(&self) -> SamplePlaces {
+        self.four.map_or(SamplePlaces::MIDDLE, |four| {
+            let [first, step] = [place(2 * four, self.samples), DVec2::splat(1.0 / f64::from(self.samples))];
+            let [first, step] = [2.0 * first, 2.0 * step];
+            let most = (first - 0.5).abs().max((first + step - 0.5).abs()).max_element();
+            SamplePlaces { first: first.as_vec2().to_array(), step: step.x as f32, most: most as f32 }
+        })
+    }
+
+    /// Returns a window of the picture as one of the images that are drawn.
+    pub(super) fn part(&self, window: Window) -> Window {
+        if self.four.is_some() { window.map(|side| 2 * side) } else { window }
     }
 
     /// Returns the place of the image among those of [`Self::images`]: how many are drawn before.
@@ -59,7 +100,7 @@ impl Frame {
 
     /// Returns `true` if the picture is a mean of several images.
     pub fn is_mean(&self) -> bool {
-        self.samples > 1 && self.only.is_none()
+        self.samples > 1 && self.only.is_none() && self.four.is_none()
     }
 }
 
@@ -121,6 +162,32 @@ impl Mean {
         }
     }
 
+    /// Adds a window of four images that were drawn at once, each of whose pixels is the quarter of one of the picture's;
+    /// the `first` four replaces what was there.
+    pub(super) fn add_four(&mut self, (rgba, counts): (&[[f32; 4]], &Counts), window: Window, first: bool, pitch: usize) {
+        let [x0, y0, x1, y1] = window.map(|v| v as usize);
+        let (width, encoded) = (2 * (x1 - x0), self.encoded);
+        let rows = self.colors[y0 * pitch..y1 * pitch].par_chunks_mut(pitch).zip(rgba.par_chunks(2 * width));
+        rows.for_each(|(to, from)| {
+            for (x, to) in to[x0..x1].iter_mut().enumerate() {
+                let mut sum = if first { [0.0; 4] } else { *to };
+                for from in quarters(from, width, x) {
+                    let from = encoded.map_or(from, |background| shown(from, background));
+                    sum = std::array::from_fn(|c| sum[c] + f64::from(from[c]));
+                }
+                *to = sum;
+            }
+        });
+        let counts = [(&mut self.fragments, &counts.fragments), (&mut self.layers, &counts.layers)];
+        for (to, from) in counts.into_iter().filter_map(|(to, from)| Some((to, from.as_ref()?))) {
+            for (to, from) in to[y0 * pitch..y1 * pitch].chunks_mut(pitch).zip(from.chunks(2 * width)) {
+                for (x, to) in to[x0..x1].iter_mut().enumerate() {
+                    *to = if first { 0 } else { *to } + quarters(from, width, x).iter().sum::<u32>();
+                }
+            }
+        }
+    }
+
     /// Gives an image, the last one that was added, the means. Its depths stay, and of counts it gets the sums.
     pub fn finish(self, image: &mut Image) {
         let (count, encoded) = (f64::from(self.samples), self.encoded);
@@ -133,6 +200,24 @@ impl Mean {
         image.layers.iter_mut().for_each(|to| to.copy_from_slice(&self.layers));
         for (to, sum) in image.stderr.iter_mut().flatten().zip(self.variances) {
             *to = sum.map(|variance| (variance.sqrt() / count) as f32);
+        }
+    }
+}
+
+/// Returns the quarters of a pixel, of two rows of `width` quarters: left and right above, then below.
+fn quarters<T: Copy>(rows: &[T], width: usize, x: usize) -> [T; 4] {
+    let [left, right] = [2 * x, 2 * x + 1];
+    [rows[left], rows[right], rows[width + left], rows[width + right]]
+}
+
+/// Gives an image the depths of number N/2 of its images, which is in the first four: the upper right quarters.
+pub(super) fn set_depths(image: &mut Image, window: Window, depths: &[f32]) {
+    let [x0, y0, x1, y1] = window.map(|v| v as usize);
+    let (pitch, width) = (image.width as usize, 2 * (x1 - x0));
+    for (to, from) in image.depth[y0 * pitch..y1 * pitch].chunks_mut(pitch).zip(depths.chunks(2 * width)) {
+        for (x, to) in to[x0..x1].iter_mut().enumerate() {
+            let [_, upper_right, ..] = quarters(from, width, x);
+            *to = upper_right;
         }
     }
 }
@@ -160,6 +245,42 @@ mod tests {
         assert_eq!(of(1), [[0.5, 0.5]]);
         assert_eq!(of(2), [[0.25, 0.25], [0.75, 0.75]]);
         assert_eq!(of(4), [[0.125, 0.125], [0.375, 0.625], [0.625, 0.375], [0.875, 0.875]]);
+    }
+
+    /// Each quarter's sample is that of one image, and all fours have each image once.
+    #[test]
+    fn one_sample_of_each_four_lies_in_each_quarter_of_a_pixel() {
+        use crate::camera::{Camera, Projection};
+        use crate::scene::Method;
+        use glam::DVec3;
+
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, projection, 0.1, 2.0).expect("valid");
+        for samples in SAMPLES.into_iter().filter(|samples| *samples >= 4) {
+            let frame = Frame { samples, ..Frame::new(camera, [3, 2], Method::Points) };
+            let mut left: Vec<DVec2> = (0..samples).map(|index| place(index, samples)).collect();
+            for four in frame.fours().expect("at least four") {
+                assert_eq!((four.size, four.is_mean()), ([6, 4], false));
+                let SamplePlaces { first, step, most } = four.places();
+                for [column, row] in [[0, 0], [1, 0], [0, 1], [1, 1]].map(|quarter: [u32; 2]| quarter.map(f64::from)) {
+                    let within = DVec2::from_array(first.map(f64::from)) + f64::from(step) * DVec2::new(row, column);
+                    assert!((within - 0.5).abs().max_element() <= f64::from(most) && most < 0.5, "{samples}");
+                    let sample = (DVec2::new(column, row) + within) / 2.0;
+                    let found = left.iter().position(|place| *place == sample).expect("an image's");
+                    left.swap_remove(found);
+                }
+            }
+            assert!(left.is_empty());
+        }
+    }
+
+    #[test]
+    fn depths_of_the_picture_are_those_of_the_upper_right_quarters() {
+        for count in SAMPLES.into_iter().filter(|count| *count >= 4) {
+            let middle = place(count / 2, count);
+            assert!(middle.x >= 0.5 && middle.y < 0.5 && count / 2 < count, "{count}");
+        }
+        assert_eq!(quarters(&[0, 1, 2, 3, 4, 5, 6, 7], 4, 1), [2, 3, 6, 7]);
     }
 
     #[test]

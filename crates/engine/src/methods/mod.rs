@@ -33,7 +33,6 @@ mod projecting;
 pub mod renderer;
 pub mod see_through;
 pub mod shadows;
-mod shared;
 pub mod soft;
 pub mod sorted;
 pub mod spbr;

@@ -237,6 +237,11 @@ impl Engine for PeelLayersEngine {
         self.filtering().windows(frame, budget)
     }
 
+    /// Filters look at the pixels around.
+    fn takes_fours(&self) -> bool {
+        false
+    }
+
     fn renders_to_survey(&self) -> bool {
         true
     }

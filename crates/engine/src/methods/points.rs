@@ -3,9 +3,10 @@
 //!
 //! The equations are those of the other opaque methods ([`super::opaque`]), the projection is `project/splats`'s own.
 
+use std::cell::Cell;
+
 use super::opaque::{self, NearestSplat, Opaque};
 use crate::methods::prelude::*;
-use crate::methods::shared::{Several, Shared};
 use crate::passes::project::{POINTS_RUN, Places, PlacesGroup, PointsPush, Shaded, View, points_dispatch};
 
 pass! {
@@ -80,6 +81,34 @@ fn stride(pixels: u64) -> u64 {
     pixels.next_multiple_of(64)
 }
 
+/// Images of a frame with samples whose nearest points are found by one walk over the points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Several {
+    /// Turn of the first one.
+    pub first: u32,
+    /// Number of them.
+    pub images: u32,
+    /// Number of all images of the frame.
+    pub samples: u32,
+    /// Elements from an image's nearest points to the next one's.
+    pub stride: u32,
+    /// `true` if all points are shaded once.
+    pub shaded: bool,
+}
+
+impl Several {
+    /// Returns the push constants of a walk that finds them.
+    pub fn of(self, push: PointsPush) -> PointsPush {
+        let Self { first, images, samples, stride, .. } = self;
+        PointsPush { first_turn: first, images, samples, stride, ..push }
+    }
+
+    /// Returns `true` if the image whose turn it is belongs to them.
+    pub fn has(&self, turn: u32) -> bool {
+        (self.first..self.first + self.images).contains(&turn)
+    }
+}
+
 /// Returns the images from a turn on whose nearest points fit the budget, at least one; `before` are those found
 /// last.
 fn several_from(turn: u32, before: Option<Several>, cloud: &DeviceCloud, work: &Work<'_>) -> Several {
@@ -119,9 +148,9 @@ impl Opaque {
         let (device, target) = (work.device, work.target);
         let pixels = work.pixels();
         let turn = work.frame.turn();
-        let before = work.shared.and_then(Shared::points);
+        let before = work.several.and_then(Cell::get);
         let known = before.filter(|several| several.has(turn));
-        let several = work.shared.map(|_| known.unwrap_or_else(|| several_from(turn, before, cloud, work)));
+        let several = work.several.map(|_| known.unwrap_or_else(|| several_from(turn, before, cloud, work)));
         let shaded = several.is_some_and(|several| several.shaded);
         let found = several.map_or(pixels, |several| u64::from(several.stride) * u64::from(several.images));
         self.nearest.reserve(device, found)?;
@@ -170,11 +199,11 @@ impl Opaque {
         target.record_read_back(&mut recorder, pixels)?;
         work.timeline.submit(recorder, "points/nearest")?;
         if known.is_some() {
-            work.facts.shared_projections += 1;
+            work.facts.shared_walks += 1;
             return Ok(Vec::new());
         }
-        if let (Some(shared), Some(several)) = (work.shared, several) {
-            shared.keep_points(several);
+        if let Some(last) = work.several {
+            last.set(several);
         }
         Ok(cloud.stats())
     }
@@ -256,6 +285,11 @@ impl Engine for PointsEngine {
         PointExtent::pixels(0.0)
     }
 
+    /// One walk over the points finds those of several images.
+    fn takes_fours(&self) -> bool {
+        false
+    }
+
     fn projects(&self) -> bool {
         false
     }
@@ -286,7 +320,7 @@ impl Explain for PointsEngine {
         match pass.name {
             "project/clear" => Some(pixels * 8),
             "points/nearest" => {
-                let walks = facts.windows.saturating_sub(facts.shared_projections).max(1);
+                let walks = facts.windows.saturating_sub(facts.shared_walks).max(1);
                 Some(facts.points * 32 * walks + facts.visible * 8)
             }
             "points/shade" => Some(facts.shaded_points * (32 + 16 + SHADE_BYTES)),

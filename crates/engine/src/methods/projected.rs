@@ -1,7 +1,6 @@
 //! The projection of a cloud's points to the splats of a window, and what it found.
 
 use std::ops::Deref;
-use std::rc::Rc;
 
 use super::{Error, Frame, Timeline};
 use crate::gpu::Device;
@@ -11,27 +10,19 @@ use crate::passes::project::{DeviceCloud, Projecting, Stats};
 
 /// The results of a projection by chunk, or upper bounds of them.
 pub(crate) struct Projected {
-    pub(super) stats: Vec<Stats>,
+    stats: Vec<Stats>,
     /// The results themselves.
     pub found: PendingStats,
 }
 
 /// The results of a projection, once it was submitted.
-#[derive(Clone)]
-pub(crate) enum PendingStats {
-    /// Results that the host asked for.
-    Asked(AnswerPlace),
-    /// Results of an earlier image.
-    Known(Rc<[Stats]>),
-}
+#[derive(Clone, Copy)]
+pub(crate) struct PendingStats(AnswerPlace);
 
 impl PendingStats {
     /// Returns the results by chunk.
-    pub fn stats(&self, timeline: &Timeline) -> Vec<Stats> {
-        match self {
-            Self::Asked(place) => stats_of(timeline.found(*place)),
-            Self::Known(stats) => stats.to_vec(),
-        }
+    pub fn stats(self, timeline: &Timeline) -> Vec<Stats> {
+        stats_of(timeline.found(self.0))
     }
 }
 
@@ -55,25 +46,9 @@ pub(crate) fn project(
     how: &Projecting,
     timeline: &mut Timeline,
 ) -> Result<Projected, Error> {
-    project_moving(device, cloud, (frame, window), how, None, timeline)
-}
-
-/// Projects a cloud's points like [`project`]; with `most`, to splats that are moved when they are read, by up to so
-/// many pixels ([`DeviceCloud::move_splats`]).
-pub(super) fn project_moving(
-    device: &Device,
-    cloud: &mut DeviceCloud,
-    (frame, window): (&Frame, Window),
-    how: &Projecting,
-    most: Option<f32>,
-    timeline: &mut Timeline,
-) -> Result<Projected, Error> {
     cloud.make_room(device)?;
     cloud.reserve_tilts(device, how.footprint)?;
     cloud.set_view(&frame.camera, frame.size, window, how);
-    if let Some(most) = most {
-        cloud.move_splats(most);
-    }
     let mut recorder = timeline.recorder(device)?;
     cloud.record_project(&mut recorder, how)?;
     let names = ("project/stats", "project/splats");
@@ -81,5 +56,5 @@ pub(super) fn project_moving(
     let [width, height] = [window[2] - window[0], window[3] - window[1]];
     let most = |((_, count), s): ((u64, u64), Stats)| s.at_most(count, [width, height]);
     let stats = cloud.chunks().zip(stats_of(&answer.words)).map(most).collect();
-    Ok(Projected { stats, found: PendingStats::Asked(answer.place) })
+    Ok(Projected { stats, found: PendingStats(answer.place) })
 }

@@ -37,6 +37,7 @@ impl Frame {
             shading: self.shading,
             color: self.color,
             lit: cloud.casting().is_some() && cloud.casting() == shadows::casting(self, cloud).as_ref(),
+            places: self.places(),
             ..Projecting::plain(footprint)
         }
     }

@@ -83,7 +83,7 @@ impl Splatter {
         let window = job.bin.raster.window;
         let mut recorder;
         // Where there is nothing to bin, a device need not be able to.
-        let bin = if is_seen(&job.bin) { work.bin(bins, &job.bin)? } else { Bin::Nothing };
+        let bin = if is_seen(&job.bin) { bins.bin(device, &job.bin, work.timeline)? } else { Bin::Nothing };
         match bin {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {

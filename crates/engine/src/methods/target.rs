@@ -78,6 +78,12 @@ impl Target {
         Ok(())
     }
 
+    /// Returns colors and depths of the first pixels as they came to the host.
+    pub(super) fn on_host(&self, pixels: u64) -> (&[[f32; 4]], &[f32]) {
+        let pixels = pixels as usize;
+        (&self.image_host.get().mapped_slice()[..pixels], &self.depths_host.get().mapped_slice()[..pixels])
+    }
+
     /// Copies the window's rows into the image, of depths alone if colors stay.
     pub(super) fn deliver(&self, window: Window, image: &mut Image) {
         let [x0, y0, x1, y1] = window.map(|v| v as usize);

@@ -169,7 +169,7 @@ pub(super) fn blend<'a, 'w: 'a>(
 ) -> Result<Outcome, Error> {
     let (device, target, pixels) = (work.device, work.target, work.pixels());
     let mut recorder;
-    match work.bin(bins, bin).map_err(|error| beside(error, small))? {
+    match bins.bin(device, bin, work.timeline).map_err(|error| beside(error, small))? {
         Bin::TooLarge => return Ok(Outcome::Overflow),
         Bin::Nothing => {
             recorder = work.timeline.recorder(device)?;
@@ -260,7 +260,7 @@ pub(super) fn disc_bytes(pass: &PassRuns<'_>, discs: &Discs) -> Option<u64> {
 
 /// Returns the number of bytes that a pass must at least move which puts splats into tiles.
 pub(super) fn binned_bytes(pass: &PassRuns<'_>) -> Option<u64> {
-    least_bytes(pass.name, pass.runs, &pass.facts.binned())
+    least_bytes(pass.name, pass.runs, pass.facts)
 }
 
 /// Bytes that a pass must at least read and write; `runs` of it over the frame.

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::Error;
 use super::foresight::{Answer, AnswerPlace, Foresight, Knowledge};
-use crate::gpu::{Device, PassTime, Paused, Recorder, Slice, Stamps, Submitted};
+use crate::gpu::{Device, Given, PassTime, Paused, Recorder, Slice, Stamps, Submitted};
 use crate::progress::Progress;
 
 /// Submits the work of a frame, and collects its times.
@@ -23,8 +23,8 @@ pub struct Timeline {
     pub stamps: Stamps,
     /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
-    /// Counts of windows of a frame's further images ([`Self::swap_foresight`]).
-    pub further: Foresight,
+    /// The value of an override that every pass is given whose shader has it.
+    pub given: Option<Given>,
     /// Commands that were recorded so far, where nobody waits for them.
     paused: Option<Paused>,
 }
@@ -49,17 +49,19 @@ impl Timeline {
             whole: None,
             stamps,
             foresight,
-            further: Foresight::default(),
+            given: None,
             paused: None,
         }
     }
 
     /// Begins a recording, or goes on with one that nobody waited for.
     pub fn recorder<'a>(&mut self, device: &'a Device) -> Result<Recorder<'a>, Error> {
-        Ok(match self.paused.take() {
+        let mut recorder = match self.paused.take() {
             Some(paused) => paused.resume(),
             None => device.recorder_with(self.stamps)?,
-        })
+        };
+        recorder.give(self.given);
+        Ok(recorder)
     }
 
     /// Asks what the device counts into `words`, by copies called `name`: waits for what was recorded, unless an upper
@@ -104,16 +106,6 @@ impl Timeline {
         self.progress.check()?;
         self.paused = Some(recorder.pause());
         Ok(())
-    }
-
-    /// Has the next recording go on from here, whoever waits for that.
-    pub fn put_off(&mut self, recorder: Recorder<'_>) {
-        self.paused = Some(recorder.pause());
-    }
-
-    /// Goes on with what is known of the further images of a frame, or of the first one after those: they ask less.
-    pub fn swap_foresight(&mut self) {
-        std::mem::swap(&mut self.foresight, &mut self.further);
     }
 
     /// Drops what was recorded and not submitted.

@@ -1,5 +1,5 @@
-//! Work that the images of a frame with samples share: splats are projected and binned once, and moved for each
-//! image. The mean must be that of the images rendered one by one.
+//! Images of a frame with samples that are drawn at once: four as one of quarters of pixels, and those of points by one
+//! walk. The mean must be that of the images rendered one by one.
 
 use std::sync::Arc;
 
@@ -8,7 +8,8 @@ use pellucid_core::image::Image;
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_gpu::Device;
-use pellucid_scene::{Method, Shading, ShadingModel};
+use pellucid_scene::{Discs, Edl, GaussianSettings, Method, ScreenSplats, Shading, ShadingModel, Soft};
+use pellucid_testing::gaussians::Soup;
 use pellucid_testing::*;
 use rand::RngExt;
 
@@ -68,7 +69,7 @@ fn on_a_grid(seed: u64, count: usize, [width, height]: [u32; 2]) -> Vec<P> {
 
 const SIZE: [u32; 2] = [72, 56];
 
-/// Sums that round differently where rectangles hold for all images: no more than that.
+/// Sums that round differently where other tiles group their terms: no more than that.
 const ROUNDING: f32 = 2e-6;
 
 #[test]
@@ -91,32 +92,100 @@ fn on_a_grid_of_64ths_the_mean_is_that_of_images_one_by_one() {
     });
 }
 
+/// A projected place is rounded by 2^-25 of a pixel, or of a quarter of one: over radii of some pixels, times the
+/// fragments of a pixel.
+const PLACES: f32 = 2e-5;
+
 #[test]
-fn a_moved_place_is_rounded_once_more() {
+fn images_at_once_are_those_that_are_drawn_one_by_one() {
     for oriented in [false, true] {
         let points = with_field(scene(&soup(5, 1500, 0.02..0.15, 0.1..0.9, oriented)), 1.0);
         with_device(|device| {
             for method in undealt() {
                 let frame = Frame { samples: 4, ..frame(perspective(), [80, 60], method) };
                 let worst = difference(&together(device, &points, &frame).image, &one_by_one(device, &points, &frame));
-                // 2^-25 of a pixel, over radii of some pixels, times the fragments of a pixel.
-                assert!(worst <= 2e-5, "{}: {worst}", method.name());
+                assert!(worst <= PLACES, "{}: {worst}", method.name());
             }
         });
     }
 }
 
+/// Largest radii, radii in pixels, dilation and the pixels of a shell: a frame of quarters has them twice as large.
 #[test]
-fn three_of_four_images_neither_project_nor_bin() {
-    let points = scene(&on_a_grid(7, 600, SIZE));
+fn what_is_given_in_pixels_is_given_in_those_of_the_picture() {
+    let points = with_field(scene(&soup(6, 1200, 0.02..0.15, 0.1..0.9, false)), 1.0);
+    let gaussians = Soup { count: 400, ..Soup::default() }.points();
+    let splats = ScreenSplats::default();
+    let discs = Discs::default();
+    let dilated = GaussianSettings { dilation: 1.5, ..discs.gaussians };
+    let subjects = [
+        (&points, Method::Circles(ScreenSplats { max_pixel_radius: 1.5, ..splats })),
+        (&points, Method::Squares(ScreenSplats { pixel_radius: Some(2.25), ..splats })),
+        (&points, Method::SoftConcentric(Soft { pixels_per_shell: 1.0, ..Soft::default() })),
+        (&gaussians, Method::Sorted(Discs { gaussians: dilated, ..discs })),
+        (&gaussians, Method::ABuffer(Discs { gaussians: GaussianSettings { antialias: true, ..dilated }, ..discs })),
+    ];
     with_device(|device| {
-        for (name, bins) in [("circles", 0), ("sorted", 3), ("weighted", 3), ("abuffer", 0), ("hqs", 3)] {
-            let method = Method::all().into_iter().find(|method| method.name() == name).expect("a method");
-            let of = |samples| Frame { samples, fragments: false, ..frame(pixel_camera(SIZE), SIZE, method) };
-            let (alone, four) = (together(device, &points, &of(1)).facts, together(device, &points, &of(4)).facts);
-            assert_eq!((alone.shared_projections, alone.shared_bins), (0, 0), "{name}");
-            assert_eq!((alone.windows, four.windows), (1, 4), "{name}");
-            assert_eq!((four.shared_projections, four.shared_bins), (3, bins), "{name}");
+        for (points, method) in &subjects {
+            let frame = Frame { samples: 16, ..frame(perspective(), [80, 60], *method) };
+            let (found, expected) = (together(device, points, &frame), one_by_one(device, points, &frame));
+            assert_eq!(found.facts.images, 4, "{}", method.name());
+            let worst = difference(&found.image, &expected);
+            assert!(worst <= PLACES, "{}: {worst}", method.name());
+        }
+    });
+}
+
+#[test]
+fn lengths_of_lists_are_the_sums_over_images() {
+    let points = scene(&on_a_grid(9, 700, SIZE));
+    with_device(|device| {
+        for name in ["abuffer", "sorted", "peel", "weighted", "circles"] {
+            let method = named(name);
+            let frame = Frame { samples: 8, fragments: true, ..frame(pixel_camera(SIZE), SIZE, method) };
+            let found = together(device, &points, &frame).image;
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            let mut cloud = renderer.upload(&points).expect("fits");
+            let mut image = |index| renderer.render(&mut cloud, &frame.image(index)).expect("renders").image;
+            let images: Vec<Image> = (0..8).map(&mut image).collect();
+            for (found, of) in [
+                (&found.fragments, images.iter().map(|image| &image.fragments).collect::<Vec<_>>()),
+                (&found.layers, images.iter().map(|image| &image.layers).collect()),
+            ] {
+                let Some(found) = found else { continue };
+                for (pixel, found) in found.iter().enumerate() {
+                    let wanted: u32 = of.iter().copied().flatten().map(|of| of[pixel]).sum();
+                    assert_eq!(*found, wanted, "{name}, pixel {pixel}");
+                }
+            }
+        }
+    });
+}
+
+fn named(name: &str) -> Method {
+    Method::all().into_iter().find(|method| method.name() == name).expect("a method")
+}
+
+#[test]
+fn four_images_are_one_unless_pixels_need_their_neighbors_or_random_numbers() {
+    let points = scene(&on_a_grid(7, 600, SIZE));
+    let shading = |edl| Shading { edl: Edl { edl, ..Edl::default() }, ..Shading::NONE };
+    with_device(|device| {
+        for (name, edl, wanted) in [
+            ("circles", false, 1),
+            ("sorted", false, 1),
+            ("abuffer", false, 1),
+            ("soft-base", false, 1),
+            ("circles", true, 4),
+            ("image-space", false, 4),
+            ("stochastic", false, 4),
+            ("points", false, 4),
+        ] {
+            let method = named(name);
+            let of = |samples| Frame { samples, shading: shading(edl), ..frame(pixel_camera(SIZE), SIZE, method) };
+            let [alone, two, four] = [1, 2, 4].map(|samples| together(device, &points, &of(samples)).facts);
+            assert_eq!((alone.images, two.images, four.images), (1, 2, wanted), "{name}, {edl}");
+            assert_eq!(four.shared_walks, if name == "points" { 3 } else { 0 }, "{name}");
         }
     });
 }
@@ -129,7 +198,7 @@ fn windows_budgets_orders_and_frames_before_change_no_byte() {
     let (points, shuffled) = (Arc::new(with_field(scene(&discs), 1.0)), with_field(scene(&shuffled), 1.0));
     with_device(|device| {
         for name in ["points", "circles", "hqs", "sorted", "weighted", "abuffer", "peel", "soft-base", "stochastic"] {
-            let method = Method::all().into_iter().find(|method| method.name() == name).expect("a method");
+            let method = named(name);
             let whole = Frame { samples: 4, ..frame(perspective(), [160, 120], method) };
             let mut renderer = Renderer::new(device).expect("a renderer");
             let mut cloud = renderer.upload(&*points).expect("fits");
@@ -145,7 +214,8 @@ fn windows_budgets_orders_and_frames_before_change_no_byte() {
             let mut supplied = by_windows(&renderer, &points);
             for _ in 0..2 {
                 let found = renderer.render(&mut supplied, &small).expect("renders");
-                assert!(found.facts.windows > 4, "{name}: {} windows", found.facts.windows);
+                let (windows, images) = (found.facts.windows, found.facts.images);
+                assert!(windows > images, "{name}: {windows} windows");
                 assert!(bits(&found.image) == bits(&expected.image), "{name}, by windows");
             }
         }
@@ -164,7 +234,7 @@ fn points_shaded_once_for_16_images_give_the_bytes_of_points_shaded_in_each() {
             let found = together(device, &points, &Frame { memory_budget, ..frame });
             assert!(bits(&found.image) == expected, "{memory_budget:?}");
             if memory_budget.is_none() {
-                assert_eq!((found.facts.shared_projections, found.facts.shaded_points), (14, 700));
+                assert_eq!((found.facts.shared_walks, found.facts.shaded_points), (14, 700));
             }
         }
     });

@@ -92,7 +92,8 @@ impl<'a> Recorder<'a> {
         if size[0] > limit[0] || size[1] > limit[1] {
             return Err(Error::Framebuffer { name: pass.name.to_owned(), size, limit });
         }
-        let pipeline = Pipeline::draw(&self.context, pass, variant, draw.targets.outputs())?;
+        let variant = self.variant(pass, variant)?;
+        let pipeline = Pipeline::draw(&self.context, pass, &variant, draw.targets.outputs())?;
         let (set, touches) = self.descriptors(pass, &pipeline, pass.name, resources)?;
         // Attachments are not looked at one by one.
         self.touch_more();

@@ -15,6 +15,7 @@ pub use dispatch::Dispatch;
 pub use draw::{Draw, Targets, Vertices};
 pub use times::{PassTime, Stamps};
 
+use std::borrow::Cow;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -71,6 +72,9 @@ pub struct Submitted {
     pub whole: Option<Duration>,
 }
 
+/// The value of an override, by its name.
+pub type Given = (&'static str, f64);
+
 /// One command buffer in the making.
 /// The buffers it was given stay borrowed until it is submitted, which waits for the device.
 pub struct Recorder<'a> {
@@ -90,6 +94,7 @@ pub struct Recorder<'a> {
     conditional: bool,
     stamps: Stamps,
     touched: Touched,
+    given: Option<Given>,
     /// There once the recording was interrupted.
     pub(super) held: Option<DeletionHold>,
     buffers: PhantomData<&'a ()>,
@@ -113,6 +118,7 @@ impl<'a> Recorder<'a> {
             conditional: false,
             stamps,
             touched: Touched::default(),
+            given: None,
             held: None,
             buffers: PhantomData,
         };
@@ -179,6 +185,21 @@ impl<'a> Recorder<'a> {
         self.run_declared(&P::DECLARATION, &pass.resources(), bytemuck::bytes_of(&push), run)
     }
 
+    /// Gives every pass from here on whose shader has it the value of an override; `None` gives them nothing.
+    pub fn give(&mut self, given: Option<Given>) {
+        self.given = given;
+    }
+
+    /// A variant of a pass with what it is given.
+    fn variant<'v>(&self, pass: &Declaration, variant: &'v Variant) -> Result<Cow<'v, Variant>, Error> {
+        Ok(match self.given {
+            Some((name, value)) if self.context.has_override(pass, variant, name)? => {
+                Cow::Owned(variant.clone().with(name, value))
+            }
+            _ => Cow::Borrowed(variant),
+        })
+    }
+
     fn run_declared(
         &mut self,
         pass: &Declaration,
@@ -213,7 +234,8 @@ impl<'a> Recorder<'a> {
         run: &Run<'_>,
         name: &'static str,
     ) -> Result<(Arc<Pipeline>, vk::DescriptorSet, Vec<Touch>), Error> {
-        let pipeline = Pipeline::compute(&self.context, pass, &run.variant, name)?;
+        let variant = self.variant(pass, &run.variant)?;
+        let pipeline = Pipeline::compute(&self.context, pass, &variant, name)?;
         let (set, mut touches) = self.descriptors(pass, &pipeline, name, resources)?;
         if let Dispatch::Indirect(arguments) = run.dispatch {
             touches.push(Touch::read(arguments.raw()));

@@ -95,6 +95,11 @@ fn compile_stage(pass: &Declaration, stem: &str, variant: &Variant, all_bindings
     Ok(words)
 }
 
+/// Returns `true` if the shader of a pass has an override of this name.
+pub fn has_override(pass: &Declaration, variant: &Variant, name: &str) -> Result<bool, Error> {
+    Ok(source(pass, pass.shader, variant)?.contains(&format!("override {name}:")))
+}
+
 /// Compiles variants of a pass's shader and compares them with the declaration, past the cache. Variants that differ in
 /// overrides alone have the same text, which is composed and parsed once.
 ///

@@ -22,6 +22,11 @@ impl Engine for ImageSpaceEngine {
         self.filtering().windows(frame, budget)
     }
 
+    /// Filters look at the pixels around.
+    fn takes_fours(&self) -> bool {
+        false
+    }
+
     fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> PointExtent {
         PointExtent::pixels(self.filtering().halo().into())
     }

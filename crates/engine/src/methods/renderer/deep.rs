@@ -55,7 +55,7 @@ impl Renderer {
         self.cast_shadows(&engine, cloud, frame, &mut timeline)?;
         let budget = self.budget(&engine, cloud, frame);
         let windows = engine.windows(frame, budget)?;
-        let mut facts = self.begin_windows(cloud, frame, 1);
+        let mut facts = self.begin_windows(cloud, &[*frame]);
         let job = Job { survey, by_rows: true, ..Job::new(&engine, frame, budget) };
         let done = |renderer: &mut Self, _, _| Ok(renderer.progress.check()?);
         self.walk(cloud, &job, &windows, &mut timeline, &mut facts, done)?;

@@ -47,8 +47,6 @@ pub struct Renderer {
     eye_dome: EyeDomeLighting,
     /// Counts of earlier frames of one kind.
     foresight: Foresight,
-    /// Counts of windows of their further images.
-    further: Foresight,
     /// The kind of those frames.
     kind: Option<FrameKind>,
     /// Duration of the submissions of the last frame.
@@ -83,7 +81,6 @@ impl Renderer {
             target: Target::new(),
             eye_dome: EyeDomeLighting::default(),
             foresight: Foresight::default(),
-            further: Foresight::default(),
             kind: None,
             submitted: Duration::ZERO,
             spare: None,
@@ -156,11 +153,10 @@ impl Renderer {
     /// Does work whose submissions are timed, with what is known of earlier frames.
     fn with_timeline<T>(&mut self, work: impl FnOnce(&mut Self, &mut Timeline) -> T) -> T {
         let mut timeline = Timeline::with(&self.progress, std::mem::take(&mut self.foresight));
-        timeline.further = std::mem::take(&mut self.further);
         timeline.stamps = if self.timed { Stamps::Passes } else { Stamps::None };
         let done = work(self, &mut timeline);
         self.submitted = timeline.submitted;
-        (self.foresight, self.further) = (timeline.foresight, timeline.further);
+        self.foresight = timeline.foresight;
         done
     }
 
@@ -176,7 +172,7 @@ impl Renderer {
         self.check_memory(engine, frame)?;
         let begun = self.begin(engine, cloud, frame, timeline, false)?;
         let learns = self.learns(frame, cloud, &begun.windows, timeline);
-        let job = Job { learns, images: frame.images(), ..Job::new(engine, frame, begun.budget) };
+        let job = Job { learns, images: self.images(engine, frame), ..Job::new(engine, frame, begun.budget) };
         let (image, mut facts) = if frame.is_mean() && frame.shading.edl.edl {
             self.mean_of_lit(cloud, &job, &begun, timeline)?
         } else {
@@ -245,8 +241,8 @@ impl Renderer {
             image.rgba = Vec::new();
         }
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
-        // The image whose depths the picture has is the last one.
-        let frame = job.images.last().unwrap_or(frame);
+        let alone = if frame.is_mean() { frame.image(frame.samples / 2) } else { *frame };
+        let frame = &alone;
         self.find_depths(cloud, frame, begun.budget, &mut image, timeline)?;
         if frame.shading.edl.edl && self.region.is_none() {
             self.light_eye_domes(frame, begun.shading, &mut image, timeline)?;
@@ -281,9 +277,12 @@ impl Renderer {
         }
         let budget = self.budget(engine, cloud, frame);
         let (budget, shading) = edl::divided(budget, frame);
-        let windows = if survey { engine.windows(frame, budget)? } else { self.windows(engine, frame, budget)? };
+        // Pixels of the image for one of the picture.
+        let parts = if !survey && self.fours(engine, frame).is_some() { 4 } else { 1 };
+        let each = Budget { bytes: budget.bytes / parts, tiles: budget.tiles, binding: budget.binding / parts };
+        let windows = if survey { engine.windows(frame, budget)? } else { self.windows(engine, frame, each)? };
         if !survey || engine.renders_to_survey() {
-            self.target.reserve(&self.device, largest(&windows))?;
+            self.target.reserve(&self.device, parts * largest(&windows))?;
         }
         Ok(Begun { waits, lights, budget, shading, windows })
     }
@@ -338,6 +337,16 @@ impl Renderer {
         let passes = aggregate(|pass| engine.least_bytes(pass), &runs, facts, (frame, image), cloud);
         let waits = self.device.waits() - begun.waits;
         FrameProfile { passes, begin, timeline: runs, submitted, total: timeline.whole, wall, waits }
+    }
+
+    /// Returns the frames of the images of a frame, one after the other: of each alone, or of four at once.
+    fn images(&self, engine: &dyn Engine, frame: &Frame) -> Vec<Frame> {
+        self.fours(engine, frame).unwrap_or_else(|| frame.images())
+    }
+
+    /// Returns the frames of four images at a time, if they are drawn like this.
+    fn fours(&self, engine: &dyn Engine, frame: &Frame) -> Option<Vec<Frame>> {
+        frame.fours().filter(|_| self.switches.together && engine.takes_fours())
     }
 
     /// Returns the windows of a frame, as far as they lie in the region.
@@ -400,10 +409,9 @@ impl Renderer {
 
     /// Returns `true` if a frame can learn its counts from earlier ones of its kind.
     fn learns(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
-        let kind = FrameKind { method: frame.method, size: frame.size, region: self.region, points: cloud.total() };
+        let kind = FrameKind { method: frame.method, size: frame.size, samples: frame.samples, region: self.region, points: cloud.total() };
         if self.kind != Some(kind) {
             timeline.foresight.forget();
-            timeline.further.forget();
             self.kind = Some(kind);
         }
         windows.len() == 1 && self.device.info().conditional && cloud.supply().is_none()
@@ -412,7 +420,7 @@ impl Renderer {
     /// Returns the reason why frames like this one, which was rendered last, wait for their counts, a phrase; `None` if
     /// nothing keeps them from being foreseen.
     pub fn hindrance(&self, cloud: &DeviceCloud, rendered: &Rendered) -> Option<&'static str> {
-        let images = if rendered.image.samples > 1 { u64::from(rendered.image.samples) } else { 1 };
+        let images = rendered.facts.images;
         if cloud.supply().is_some() {
             Some("their points come to the device part by part")
         } else if !self.device.info().conditional {
@@ -468,6 +476,7 @@ struct Begun {
 struct FrameKind {
     method: Method,
     size: [u32; 2],
+    samples: u32,
     region: Option<Window>,
     points: u64,
 }

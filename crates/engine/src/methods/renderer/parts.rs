@@ -93,7 +93,7 @@ impl Renderer {
         let begun = Begun { waits, lights: (0, 0), budget, shading, windows };
         let mut image = self.begin_image(engine, frame)?;
         self.target.keeps_colors &= begun.windows.iter().all(|window| is_whole(*window, frame));
-        let mut facts = self.begin_windows(cloud, frame, 1);
+        let mut facts = self.begin_windows(cloud, &[*frame]);
         // Lengths of lists came with the parts.
         let of_window = Frame { fragments: false, ..spreading(frame) };
         let job = Job { samples: 0..layout.steps().total, ..Job::new(engine, &of_window, budget) };

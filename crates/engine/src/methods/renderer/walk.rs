@@ -1,11 +1,15 @@
 //! The walk over the windows of a frame.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use super::{LONGEST, Renderer};
-use crate::methods::mean::Mean;
+use crate::methods::mean::{self, Mean};
 use crate::methods::prelude::*;
-use crate::methods::shared::Shared;
+use crate::gpu::Given;
+use crate::methods::points::Several;
+
+/// What stages are given where pixels are quarters of those of the picture.
+const QUARTERS: Given = ("QUARTERS", 1.0);
 
 /// The work on each window of a frame.
 #[derive(Clone)]
@@ -14,7 +18,7 @@ pub(super) struct Job<'a> {
     pub engine: &'a dyn Engine,
     /// The frame.
     pub frame: &'a Frame,
-    /// The frames of its images, one after the other in each window.
+    /// The frames of its images, one after the other in each window: of each alone, or of four at once.
     pub images: Vec<Frame>,
     /// The memory that may be used.
     pub budget: Budget,
@@ -39,7 +43,7 @@ struct Turn<'a, 'j> {
     frame: &'a Frame,
     /// `true` for the first image: it brings the points of the window.
     is_first: bool,
-    shared: Option<&'a Shared>,
+    several: Option<&'a Cell<Option<Several>>>,
 }
 
 impl<'a> Job<'a> {
@@ -70,16 +74,21 @@ impl Renderer {
         image: &mut Image,
         timeline: &mut Timeline,
     ) -> Result<Facts, Error> {
-        let begun = self.begin_windows(cloud, job.frame, job.images.len());
+        let begun = self.begin_windows(cloud, &job.images);
         let mut facts = job.counted.clone().unwrap_or(begun);
-        let mut mean = (job.images.len() > 1).then(|| Mean::new(job.frame, image));
-        self.walk(cloud, job, windows, timeline, &mut facts, |renderer, window, number| match job.sums {
-            Some(_) => Ok(renderer.progress.check()?),
-            None => {
-                renderer.deliver(job.engine, &job.images[number], window, image)?;
-                mean.iter_mut().for_each(|mean| mean.add(image, window, number == 0));
-                Ok(())
+        facts.images += job.images.len() as u64;
+        let mut mean = job.frame.is_mean().then(|| Mean::new(job.frame, image));
+        self.walk(cloud, job, windows, timeline, &mut facts, |renderer, window, number| {
+            let frame = &job.images[number];
+            if job.sums.is_some() {
+                return Ok(renderer.progress.check()?);
             }
+            if let (Some(mean), Some(_)) = (&mut mean, frame.four) {
+                return renderer.deliver_four(job.engine, frame, window, (mean, image));
+            }
+            renderer.deliver(job.engine, frame, window, image)?;
+            mean.iter_mut().for_each(|mean| mean.add(image, window, number == 0));
+            Ok(())
         })?;
         mean.into_iter().for_each(|mean| mean.finish(image));
         Ok(facts)
@@ -100,11 +109,11 @@ impl Renderer {
         let mut left: Vec<Window> = windows.iter().rev().copied().collect();
         while let Some(window) = left.pop() {
             self.target.keeps_colors &= is_whole(window, job.frame);
-            let images = job.images.len() as u32;
-            let shared = (images > 1 && self.switches.shares_splats).then(|| Shared::new(images));
+            let found = Cell::default();
+            let several = (job.images.len() > 1 && self.switches.together).then_some(&found);
             for (number, frame) in job.images.iter().enumerate() {
-                let turn = Turn { job, frame, is_first: number == 0, shared: shared.as_ref() };
-                match self.turn(cloud, turn, window, timeline, facts)? {
+                let turn = Turn { job, frame, is_first: number == 0, several };
+                match self.window(cloud, turn, window, timeline, facts)? {
                     Outcome::Done => done(self, window, number)?,
                     // Its halves begin with the first image again.
                     Outcome::Overflow => {
@@ -118,8 +127,9 @@ impl Renderer {
     }
 
     /// Begins to go through the windows of a frame. Returns its first counts.
-    pub(super) fn begin_windows(&mut self, cloud: &DeviceCloud, frame: &Frame, images: usize) -> Facts {
-        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]) * images as u64);
+    pub(super) fn begin_windows(&mut self, cloud: &DeviceCloud, images: &[Frame]) -> Facts {
+        let pixels = |frame: &Frame| u64::from(frame.size[0]) * u64::from(frame.size[1]);
+        self.progress.set_length(images.iter().map(pixels).sum());
         self.progress.set_position(0);
         self.whole = None;
         first_counts(cloud)
@@ -140,22 +150,23 @@ impl Renderer {
         Ok(())
     }
 
-    /// Renders or surveys a window of an image. Further images of a frame are foreseen by themselves.
-    fn turn(
+    /// Adds a window of four images that is in the target to the sums of a picture, with its counts.
+    fn deliver_four(
         &mut self,
-        cloud: &mut DeviceCloud,
-        turn: Turn<'_, '_>,
+        engine: &dyn Engine,
+        frame: &Frame,
         window: Window,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<Outcome, Error> {
-        if turn.is_first {
-            return self.window(cloud, turn, window, timeline, facts);
+        (mean, image): (&mut Mean, &mut Image),
+    ) -> Result<(), Error> {
+        self.progress.check()?;
+        let (part, is_first) = (frame.part(window), frame.four == Some(0));
+        let (colors, depths) = self.target.on_host(bands::pixels(part));
+        let counts = engine.counts(&self.buffers, frame, part)?;
+        mean.add_four((colors, &counts), window, is_first, image.width as usize);
+        if is_first {
+            mean::set_depths(image, window, depths);
         }
-        timeline.swap_foresight();
-        let outcome = self.window(cloud, turn, window, timeline, facts);
-        timeline.swap_foresight();
-        outcome
+        Ok(())
     }
 
     /// Renders or surveys a window. The counts of a window that must be cut are dropped. A window whose counts were
@@ -199,26 +210,26 @@ impl Renderer {
     fn attempt(
         &mut self,
         cloud: &mut DeviceCloud,
-        Turn { job, frame, is_first, shared }: Turn<'_, '_>,
+        Turn { job, frame, is_first, several }: Turn<'_, '_>,
         window: Window,
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
         if is_first {
-            shared.into_iter().for_each(Shared::forget);
+            several.into_iter().for_each(|last| last.set(None));
             if self.bring(cloud, job, window, timeline)? == Outcome::Overflow {
                 return Ok(Outcome::Overflow);
             }
         }
-        let (mut work, buffers) = self.work((job, frame), window, timeline, facts);
-        work.shared = shared;
-        let outcome = job.engine.render(cloud, buffers, &mut work)?;
+        let (mut work, buffers) = self.work((job, frame), frame.part(window), timeline, facts);
+        work.several = several;
+        work.timeline.given = frame.four.map(|_| QUARTERS);
+        let outcome = job.engine.render(cloud, buffers, &mut work);
+        work.timeline.given = None;
+        let outcome = outcome?;
         if outcome == Outcome::Done {
             for note in std::mem::take(&mut work.later) {
                 note(work.facts, work.timeline);
-            }
-            if is_first {
-                shared.into_iter().for_each(|shared| shared.settle(work.timeline));
             }
         }
         Ok(outcome)
@@ -236,7 +247,7 @@ impl Renderer {
             device: &self.device,
             frame,
             window,
-            shared: None,
+            several: None,
             budget: job.budget,
             samples: job.samples.clone(),
             sums: job.sums,

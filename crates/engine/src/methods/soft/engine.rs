@@ -71,7 +71,7 @@ impl SpheresEngine {
         let job = abuffer::ListsJob { raster, discs, storing: &spheres, stop, shown, budget, samples: None };
         let found = go_on(&mut resources.lists, work, &job, layer)?;
         resources.soft_counted = true;
-        let seen = stats.found.clone();
+        let seen = stats.found;
         work.note_later(move |facts, timeline| {
             let stats = seen.stats(timeline);
             facts.soft_visible += visible(&stats);
@@ -225,7 +225,7 @@ impl ExpressEngine {
         };
         if outcome == Outcome::Done {
             resources.soft_counted = true;
-            let found = stats.found.clone();
+            let found = stats.found;
             work.note_later(move |facts, timeline| facts.soft_visible += visible(&found.stats(timeline)));
             work.finish();
             work.note(&stats, walker);
@@ -322,7 +322,7 @@ fn draw_solids(
     let stats = work.project(cloud, how)?;
     let outcome = splats::draw_solid(cloud, buffers, work, (&stats, how.footprint, Onto::Layer), 0)?;
     work.survey = survey;
-    let found = stats.found.clone();
+    let found = stats.found;
     work.note_later(move |facts, timeline| facts.meet(&found.stats(timeline)));
     Ok(outcome)
 }

@@ -72,7 +72,7 @@ impl SoftDiscs {
         self.counted.clear();
         self.told.reserve(device, if counted { pixels } else { 0 })?;
         let mut recorder;
-        let binned = match work.bin(bins, &job.bin)? {
+        let binned = match bins.bin(device, &job.bin, work.timeline)? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = work.timeline.recorder(device)?;

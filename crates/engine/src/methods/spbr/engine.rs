@@ -28,6 +28,11 @@ impl Engine for EnsembleEngine {
         Ok(bands::windows(frame.size, window_pixels(budget, frame.wants_spread())))
     }
 
+    /// Ensembles are random.
+    fn takes_fours(&self) -> bool {
+        false
+    }
+
     /// No splats, and no points either where they go through the device bit by bit.
     fn place(&self, device: &Device, cloud: &mut DeviceCloud, frame: &Frame, survey: bool) -> Result<(), Error> {
         if survey {

@@ -72,6 +72,11 @@ impl Engine for StochasticEngine {
         device.multisampled.is_none()
     }
 
+    /// Each image has random numbers of its own.
+    fn takes_fours(&self) -> bool {
+        false
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         let (listed, spread) = (if frame.fragments { abuffer::PIXEL_BYTES } else { 0 }, frame.wants_spread());
         let bytes = listed + bin::PIXEL_BYTES + pixel_bytes(spread);

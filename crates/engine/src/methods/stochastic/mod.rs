@@ -234,7 +234,7 @@ impl Sampler {
         job: &SampleJob<'_>,
     ) -> Result<Outcome, Error> {
         let (device, target) = (work.device, work.target);
-        match work.bin(bins, &job.bin)? {
+        match bins.bin(device, &job.bin, work.timeline)? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 self.spread.reserve(device, if job.spread { job.pixels() } else { 1 })?;

@@ -144,8 +144,6 @@ pub struct Binned {
     pub(super) longest: u32,
     /// Place of the counts: overflow, pairs of splat and tile, splats of the tile with most of them.
     pub(super) counts: AnswerPlace,
-    /// Pairs of splat and tile, if the lists of the tiles are there already.
-    pub(super) stored: Option<u64>,
 }
 
 impl Binned {
@@ -183,17 +181,7 @@ impl Binned {
 
     /// Returns the number of pairs of a splat and a tile that it meets, once they were submitted.
     pub fn found_entries(&self, timeline: &Timeline) -> u64 {
-        self.stored.unwrap_or_else(|| timeline.found(self.counts)[1].into())
-    }
-
-    /// Returns the same window once the lists of its tiles have been stored, for others that go through them.
-    pub fn stored(self, timeline: &Timeline) -> Self {
-        Self { stored: Some(self.found_entries(timeline)), ..self }
-    }
-
-    /// Returns `true` if the lists of the tiles are there already.
-    pub fn is_stored(&self) -> bool {
-        self.stored.is_some()
+        timeline.found(self.counts)[1].into()
     }
 
     /// Returns the way in which stages reach splats by their indices.

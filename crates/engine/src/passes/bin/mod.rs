@@ -85,8 +85,6 @@ fields! {
         scan: Scan = Scan::new(device, 0)?,
         longest: Buffer<u32> = device.buffer("longest tile list", 1, Memory::Device)?,
         entries: Scratch<u32> = Scratch::new("ordered tile entries", Memory::Device),
-        // Windows that were binned so far.
-        binnings: u64 = 0,
     }
 }
 
@@ -128,9 +126,7 @@ impl Bins {
         cloud: &'a DeviceCloud,
         binned: Binned,
     ) -> Result<OrderedTiles<'a>, Error> {
-        if !binned.is_stored() {
-            self.record_tile_store(recorder, cloud, &binned)?;
-        }
+        self.record_tile_store(recorder, cloud, &binned)?;
         Ok(self.tiles(cloud, binned))
     }
 
@@ -143,7 +139,6 @@ impl Bins {
         timeline: &mut Timeline,
     ) -> Result<Option<Binned>, Error> {
         let Some(left) = binning.left(device, job)? else { return Ok(None) };
-        self.binnings += 1;
         self.reserve(device, job, &binning)?;
         let mut recorder = timeline.recorder(device)?;
         let last = match job.order {
@@ -165,12 +160,7 @@ impl Bins {
             return Ok(None);
         }
         self.entries.reserve_within(device, u64::from(entries).max(1), left / 4)?;
-        Ok(Some(Binned { binning, records: last, longest, counts: answer.place, stored: None }))
-    }
-
-    /// Returns how many windows were binned so far: each takes the place of the one before.
-    pub fn binnings(&self) -> u64 {
-        self.binnings
+        Ok(Some(Binned { binning, records: last, longest, counts: answer.place }))
     }
 
     /// Returns a binned window's tiles, for stages behind [`Self::record_tiles`].

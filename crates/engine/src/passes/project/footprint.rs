@@ -57,12 +57,6 @@ impl Footprint {
         matches!(self, Self::Oriented | Self::Gaussian)
     }
 
-    /// Returns `true` if splats may be moved by a fraction of a pixel after they were projected: one whose place takes
-    /// two floats would lose the second, and a single pixel is the one that contains the projected center.
-    pub fn can_move(self) -> bool {
-        !matches!(self, Self::ExactSphere | Self::Point)
-    }
-
     /// Returns `true` if splats may be Gaussians.
     pub fn has_gaussians(self) -> bool {
         matches!(self, Self::FlatGaussian | Self::Gaussian)

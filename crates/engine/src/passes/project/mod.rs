@@ -171,6 +171,8 @@ pub struct Projecting {
     pub lit: bool,
     /// Settings by which Gaussians are drawn, of footprints that have some.
     pub gaussians: Drawing,
+    /// Where the samples of pixels lie. Whatever is given in pixels is given in those of the picture.
+    pub places: SamplePlaces,
 }
 
 impl Projecting {
@@ -189,7 +191,30 @@ impl Projecting {
             color: ColorSpace::Linear,
             lit: false,
             gaussians: Drawing::default(),
+            places: SamplePlaces::MIDDLE,
         }
+    }
+}
+
+/// Where the samples of pixels lie in them: all in the middle, or, of pixels that are quarters of those of the picture,
+/// each where one of four images has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SamplePlaces {
+    /// Column and row of the sample in pixels of even columns and rows, 0 to 1.
+    pub first: [f32; 2],
+    /// How much farther in x the samples of odd rows lie, and in y those of odd columns; 0 where all lie alike.
+    pub step: f32,
+    /// How far they lie from the middle at most, in x and y: below ½.
+    pub most: f32,
+}
+
+impl SamplePlaces {
+    /// All in the middle of their pixels.
+    pub const MIDDLE: Self = Self { first: [0.5; 2], step: 0.0, most: 0.0 };
+
+    /// Returns the number of columns and rows that a pixel of the picture has.
+    pub fn columns(self) -> f32 {
+        if self.step > 0.0 { 2.0 } else { 1.0 }
     }
 }
 
@@ -273,15 +298,8 @@ pub fn points_dispatch(count: u64) -> Dispatch<'static> {
 const PROJECT_RUN: u64 = 8;
 
 impl DeviceCloud {
-    /// Records the projection of all chunks; [`Self::found`] then holds what it found. From there on the view holds
-    /// that was set.
+    /// Records the projection of all chunks; [`Self::found`] then holds what it found.
     pub fn record_project<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
-        self.record_chunks(recorder, how)?;
-        self.record_moved_view(recorder);
-        Ok(())
-    }
-
-    fn record_chunks<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
         self.record_clear(recorder)?;
         // Without a field F is 0 everywhere: all points are solid, and nobody asks for soft ones.
         let part = if self.has_fields { how.part } else { CloudPart::All };
@@ -360,7 +378,7 @@ impl DeviceCloud {
 
     /// Records the view, and that nothing has been found yet.
     pub fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        self.record_projecting_view(recorder);
+        self.record_view(recorder);
         recorder.fill("project/clear", self.stats.all(), 0)
     }
 

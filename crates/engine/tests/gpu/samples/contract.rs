@@ -94,8 +94,8 @@ fn one_sample_is_the_image_itself() {
 fn the_picture_is_the_rounded_mean_of_the_images_one_by_one() {
     with_device(|device| {
         let mut stage = Stage::new(device);
-        // Shared splats are moved, and rounded once more.
-        stage.renderer.switches.shares_splats = false;
+        // Four at once are rounded elsewhere.
+        stage.renderer.switches.together = false;
         for method in Method::all() {
             for (samples, edl) in [(2, false), (4, method.takes_edl())] {
                 let mut frame = sampled(cameras()[0], method, samples);

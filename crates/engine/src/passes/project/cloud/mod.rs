@@ -111,9 +111,6 @@ pub struct DeviceCloud {
     pub(super) stats_host: Buffer<Stats>,
     pub(super) view: Buffer<View>,
     pub(super) view_host: View,
-    /// The view by which points are projected, if that is another one.
-    unmoved_view: Option<View>,
-    views: u64,
 }
 
 impl DeviceCloud {
@@ -217,8 +214,6 @@ impl DeviceCloud {
             stats_host: device.buffer("splat stats, host", chunks, Memory::Readback)?,
             view: device.buffer("view", 1, Memory::Device)?,
             view_host: bytemuck::Zeroable::zeroed(),
-            unmoved_view: None,
-            views: 0,
         })
     }
 

@@ -36,7 +36,9 @@ gpu_struct! {
         order: u32,
         tilted: u32,
         gaussian: [f32; 4],
-        shift: [f32; 4],
+        sample: [f32; 4],
+        shift: [f32; 2],
+        padding: [f32; 2],
     }
 }
 
@@ -61,7 +63,7 @@ impl DeviceCloud {
         let (mut right, right_lo) = rows(camera.right);
         right[3] = how.shells.most as f32;
         let (mut down, down_lo) = rows(-camera.up);
-        down[3] = how.shells.radius_px;
+        down[3] = how.shells.radius_px * how.places.columns();
         let (mut forward, forward_lo) = rows(camera.forward);
         forward[3] = how.gaussians.settings.stop;
         let (focal, focal_lo) = split(DVec3::splat(camera.focal_px(size[1])));
@@ -89,39 +91,14 @@ impl DeviceCloud {
             kernel: how.gaussians.settings.kernel as u32,
             order: how.gaussians.order as u32,
             tilted: u32::from(how.gaussians.discs == DiscShape::Oriented),
-            gaussian: gaussian(&how.gaussians.settings),
-            shift: [camera.shift.x as f32, camera.shift.y as f32, 0.0, 0.0],
+            gaussian: gaussian(&how.gaussians.settings, how.places.columns()),
+            sample: [how.places.first[0], how.places.first[1], how.places.step, how.places.most],
+            shift: camera.shift.as_vec2().to_array(),
+            padding: [0.0; 2],
         };
         self.opacity_factor = how.opacity_factor;
         self.depth_origin = eye_hi[3];
-        (self.view_host, self.unmoved_view) = (view, None);
-        self.views += 1;
-    }
-
-    /// Has splats projected without the shift of the view that was set last, and moved by it when they are read; their
-    /// rectangles hold for shifts up to `most` pixels in x and y.
-    pub fn move_splats(&mut self, most: f32) {
-        let [x, y, ..] = self.view_host.shift;
-        self.unmoved_view = Some(View { shift: [0.0, 0.0, most, most], ..self.view_host });
-        self.view_host.shift = [x, y, x, y];
-    }
-
-    /// Returns how often a view was set: whoever sets one may change splats.
-    pub fn views(&self) -> u64 {
-        self.views
-    }
-
-    /// Records the view by which points are projected.
-    pub(in crate::passes::project) fn record_projecting_view<'a>(&'a self, recorder: &mut Recorder<'a>) {
-        let view = self.unmoved_view.unwrap_or(self.view_host);
-        recorder.update(self.view.all().cast(), bytemuck::cast_slice(&[view]));
-    }
-
-    /// Records the view by which splats are read, if that is another one.
-    pub(in crate::passes::project) fn record_moved_view<'a>(&'a self, recorder: &mut Recorder<'a>) {
-        if self.unmoved_view.is_some() {
-            self.record_view(recorder);
-        }
+        self.view_host = view;
     }
 
     /// Records that the view of the last [`Self::set_view`] holds from here on.
@@ -136,16 +113,17 @@ fn padded(v: Vec3) -> [f32; 4] {
 
 /// The factor on radii, and the largest one in pixels; a factor below 0 means that all are as large as that.
 fn radius_limits(how: &Projecting) -> [f32; 2] {
+    let columns = how.places.columns();
     match how.pixel_radius {
-        Some(radius) => [-1.0, radius.min(how.max_radius_px)],
-        None => [how.radius_factor, how.max_radius_px],
+        Some(radius) => [-1.0, radius.min(how.max_radius_px) * columns],
+        None => [how.radius_factor, (how.max_radius_px * columns).min(f32::MAX)],
     }
 }
 
-/// Least and most opacity, dilation, and whether it is taken back.
-fn gaussian(settings: &GaussianSettings) -> [f32; 4] {
+/// Least and most opacity, dilation by the columns of a pixel, and whether it is taken back.
+fn gaussian(settings: &GaussianSettings, columns: f32) -> [f32; 4] {
     let GaussianSettings { alpha_min, alpha_max, dilation, antialias, .. } = *settings;
-    [alpha_min, alpha_max, dilation, if antialias { 1.0 } else { 0.0 }]
+    [alpha_min, alpha_max, dilation * columns * columns, if antialias { 1.0 } else { 0.0 }]
 }
 
 /// Direction to the light (w = 0), or its place relative to the eye (w = 1), in camera axes.
