@@ -50,7 +50,7 @@ impl Frame {
     }
 
     /// Returns the frames of all images, that whose depths the picture has last: number N/2.
-    pub(super) fn images(&self) -> Vec<Self> {
+    pub fn images(&self) -> Vec<Self> {
         if !self.is_mean() {
             return vec![*self];
         }

@@ -51,6 +51,8 @@ pub struct Job {
     pub samples: Option<[u32; 2]>,
     /// Points that `spbr` assigns to all ensembles; 0 for other methods.
     pub slots: u64,
+    /// Images whose mean a frame is.
+    pub images: u32,
     /// Frames.
     pub frames: usize,
     /// True if the device is a GPU.
@@ -68,9 +70,9 @@ pub struct Offer {
 }
 
 impl Job {
-    /// Seconds of so many fragments.
+    /// Seconds of so many fragments in each image.
     fn seconds(&self, fragments: f64) -> f64 {
-        fragments * FRAGMENT_NS[usize::from(self.is_gpu)] * 1e-9
+        f64::from(self.images) * fragments * FRAGMENT_NS[usize::from(self.is_gpu)] * 1e-9
     }
 
     /// Times that splats are visited.
@@ -114,8 +116,8 @@ impl Job {
         let once = if self.slots > 0 { 0.0 } else { self.seconds(POINT * self.load.points) };
         let work = once + (self.alone() - once) * (parts / n).ceil() / parts;
         let sums = if self.slots > 0 { 1.0 } else { parts };
-        let gather = link
-            .seconds(n - 1.0, self.load.pixels * SUM_BYTES * sums * (n - 1.0) / if self.slots > 0 { 1.0 } else { n });
+        let bytes = self.load.pixels * SUM_BYTES * sums * (n - 1.0) / if self.slots > 0 { 1.0 } else { n };
+        let gather = f64::from(self.images) * link.seconds(n - 1.0, bytes);
         Offer {
             share,
             seconds: Some(self.frames as f64 * (work + gather)),
@@ -173,7 +175,7 @@ mod tests {
 
     fn job() -> Job {
         let load = Load { points: 5e5, fragments: 9e6, pixels: 2e6, work: 0.0 };
-        Job { load, samples: None, slots: 0, frames: 1, is_gpu: false }
+        Job { load, samples: None, slots: 0, images: 1, frames: 1, is_gpu: false }
     }
 
     fn chosen(job: Job, ranks: usize) -> Share {
@@ -189,6 +191,15 @@ mod tests {
         assert_eq!(chosen(Job { frames: 2, ..job() }, 16), Share::Windows, "and leave ranks without work");
         let stochastic = Job { samples: Some([64, 16]), ..job() };
         assert_eq!(chosen(stochastic, 16), Share::Windows, "there are four batches");
+    }
+
+    #[test]
+    fn every_image_of_a_mean_takes_its_time() {
+        let four = Job { images: 4, ..job() };
+        assert!((four.alone() - 4.0 * job().alone()).abs() < 1e-12);
+        let [alone, mean] = [job(), four].map(|job| Job { samples: Some([64, 16]), ..job }.ensembles(4, LINK));
+        let [alone, mean] = [alone, mean].map(|offer| offer.seconds.unwrap());
+        assert!((mean - 4.0 * alone).abs() < 1e-12, "sums of each image are gathered");
     }
 
     #[test]

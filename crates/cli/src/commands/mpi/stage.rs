@@ -258,7 +258,7 @@ impl Job {
     fn of(frame: &Frame, prepared: &Prepared, frames: usize) -> Self {
         let load: Load = Costs::expected(frame, prepared.points()).whole();
         let samples = frame.sample_steps().map(|steps| [steps.total, steps.step]);
-        Self { load, samples, slots: 0, frames, is_gpu: false }
+        Self { load, samples, slots: 0, images: frame.samples, frames, is_gpu: false }
     }
 }
 

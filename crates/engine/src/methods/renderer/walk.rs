@@ -76,7 +76,6 @@ impl Renderer {
     ) -> Result<Facts, Error> {
         let begun = self.begin_windows(cloud, &job.images);
         let mut facts = job.counted.clone().unwrap_or(begun);
-        facts.images += job.images.len() as u64;
         let mut mean = job.frame.is_mean().then(|| Mean::new(job.frame, image));
         self.walk(cloud, job, windows, timeline, &mut facts, |renderer, window, number| {
             let frame = &job.images[number];
@@ -106,6 +105,7 @@ impl Renderer {
         facts: &mut Facts,
         mut done: impl FnMut(&mut Self, Window, usize) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        facts.images += job.images.len() as u64;
         let mut left: Vec<Window> = windows.iter().rev().copied().collect();
         while let Some(window) = left.pop() {
             self.target.keeps_colors &= is_whole(window, job.frame);
