@@ -554,10 +554,9 @@ impl Session {
             let colorings = self.assembled().colorings.iter().cloned();
             let reasons = [first.reason.clone()].into_iter().chain(colorings).chain(self.without_soft_points());
             let images = (frame.samples > 1).then(|| {
-                format!(
-                    "the picture is the mean of {} images, each of all passes: samples of a pixel's area",
-                    frame.samples
-                )
+                let four = self.renderer.images(&frame).len() < frame.samples as usize;
+                let each = if four { "every four of which are drawn at once" } else { "each of all passes" };
+                format!("the picture is the mean of {} images, {each}: samples of a pixel's area", frame.samples)
             });
             let reasons = reasons.chain(images);
             first.reason = reasons.collect::<Vec<_>>().join("; ");

@@ -65,6 +65,25 @@ fn every_shader_matches_its_pass_in_every_variant() {
 }
 
 #[test]
+fn every_shader_that_knows_quarters_of_pixels_is_valid_with_them() {
+    let knows = |name: &str| {
+        let reflected = REFLECTED.iter().find(|(shader, _)| shader.pass.name == name);
+        reflected.is_some_and(|(_, texts)| texts.iter().any(|(_, known)| known.overrides.iter().any(|o| o == GIVEN)))
+    };
+    let given: Vec<Shader> = shaders()
+        .into_iter()
+        .filter(|shader| knows(shader.pass.name))
+        .map(Shader::in_pairs_of_choices)
+        .map(|shader| Shader {
+            variants: shader.variants.into_iter().map(|variant| variant.with(GIVEN, 1)).collect(),
+            ..shader
+        })
+        .collect();
+    assert!(given.len() > 30, "{}", given.len());
+    println!("{} variants", checked(given));
+}
+
+#[test]
 fn every_shader_file_belongs_to_a_pass() {
     let passes = shaders();
     let stems = SHADERS.stems().into_iter().chain(gpu::SHADERS.stems());
@@ -95,6 +114,9 @@ fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
 
 /// Numbers that a stage sets once and for all, or that a frame decides: not choices.
 const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
+
+/// A choice of the frame, which recordings give to every pass whose shader has it.
+const GIVEN: &str = "QUARTERS";
 
 /// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth,
 /// spheres and opaque splats without a falloff.
@@ -140,7 +162,7 @@ fn variants_make_every_choice_in_more_than_one_way() {
             }
         }
     }
-    assert_eq!(declared.difference(&made).collect::<Vec<_>>(), Vec::<&String>::new());
+    assert_eq!(declared.difference(&made).collect::<Vec<_>>(), [GIVEN]);
     assert_eq!(alike, BTreeSet::from(FIXED.map(|(stem, name)| (stem, name.to_owned()))));
 }
 

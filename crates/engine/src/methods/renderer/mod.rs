@@ -172,7 +172,7 @@ impl Renderer {
         self.check_memory(engine, frame)?;
         let begun = self.begin(engine, cloud, frame, timeline, false)?;
         let learns = self.learns(frame, cloud, &begun.windows, timeline);
-        let job = Job { learns, images: self.images(engine, frame), ..Job::new(engine, frame, begun.budget) };
+        let job = Job { learns, images: self.images(frame), ..Job::new(engine, frame, begun.budget) };
         let (image, mut facts) = if frame.is_mean() && frame.shading.edl.edl {
             self.mean_of_lit(cloud, &job, &begun, timeline)?
         } else {
@@ -339,9 +339,10 @@ impl Renderer {
         FrameProfile { passes, begin, timeline: runs, submitted, total: timeline.whole, wall, waits }
     }
 
-    /// Returns the frames of the images of a frame, one after the other: of each alone, or of four at once.
-    fn images(&self, engine: &dyn Engine, frame: &Frame) -> Vec<Frame> {
-        self.fours(engine, frame).unwrap_or_else(|| frame.images())
+    /// Returns the frames of the images whose mean is a frame's, as they are drawn one after the other: of each alone, or
+    /// of four at once.
+    pub fn images(&self, frame: &Frame) -> Vec<Frame> {
+        self.fours(engine_of(&frame.method).as_ref(), frame).unwrap_or_else(|| frame.images())
     }
 
     /// Returns the frames of four images at a time, if they are drawn like this.
