@@ -1,4 +1,5 @@
 // spbr/large: number of large squares to the arguments of an indirect dispatch. A single invocation.
+#import folded
 #push
 
 struct Counters {
@@ -13,10 +14,9 @@ struct Counters {
 @compute @workgroup_size(WG_SIZE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x == 0u {
-        let groups = counters[0].large * push.stripes;
-        let columns = min(groups, push.most);
-        arguments[0] = columns;
-        arguments[1] = select((groups + columns - 1u) / max(columns, 1u), 0u, columns == 0u);
+        let groups = folded(counters[0].large * push.stripes, push.most);
+        arguments[0] = groups.x;
+        arguments[1] = groups.y;
         arguments[2] = 1u;
     }
 }

@@ -40,11 +40,9 @@ impl Recorder<'_> {
         }
     }
 
-    /// Splits a number of groups over x and y, since x alone is limited.
     fn fold_groups(&self, name: &str, groups: u64) -> Result<[u32; 2], Error> {
         let limit = u64::from(self.context.limits.groups_x);
-        let x = groups.clamp(1, limit);
-        let y = groups.div_ceil(x).max(1);
+        let [x, y] = folded(groups, limit);
         if y > limit.min(65_535) {
             return Err(Error::TooLarge {
                 name: name.to_owned(),
@@ -54,5 +52,27 @@ impl Recorder<'_> {
             });
         }
         Ok([x as u32, y as u32])
+    }
+}
+
+/// Splits a number of groups over x, of which so many are allowed, and y. Fewer groups than there are in y have nothing
+/// to do: a CPU driver gives each core as many groups as any other, those at the end to the last one.
+fn folded(groups: u64, limit: u64) -> [u64; 2] {
+    let y = groups.div_ceil(limit).max(1);
+    [groups.div_ceil(y).max(1), y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fewer_groups_than_rows_are_idle() {
+        for groups in [0, 1, 7, 65_535, 65_536, 65_537, 131_070, 131_071, 4_000_000, 65_535 * 65_535] {
+            let [x, y] = folded(groups, 65_535);
+            assert!(x >= 1 && x <= 65_535 && y >= 1 && y <= 65_535, "{groups}");
+            assert!(x * y >= groups && x * y < groups.max(1) + y, "{groups}: {x} x {y}");
+        }
+        assert_eq!([folded(1000, 65_535), folded(65_536, 65_535)], [[1000, 1], [32_768, 2]]);
     }
 }
