@@ -62,7 +62,7 @@ def render(
         Width and height in pixels, each from 1 to 16384. By default, the size that the scene gives, else 1024 × 1024.
     samples
         Samples of each pixel's area: 1, 2, 4, 8, 16, 32, 64, or "auto". The picture is the mean of so many images, each moved by a
-        fraction of a pixel, and takes about as many times as long; "auto" doubles them until the picture changes by less than
+        fraction of a pixel, and takes up to as many times as long; "auto" doubles them until the picture changes by less than
         ``sampling_error``. By default, the number that the scene gives, else 1, which shows the center of each pixel. The samples
         that a stochastic method draws in each image are ``method__samples``.
     fragments

@@ -42,7 +42,7 @@ pub struct InputArgs {
     pub size: Option<String>,
     /// Samples of each pixel's area: 1, 2, 4, 8, 16, 32, 64 or auto.
     ///
-    /// The picture is the mean of so many images, each moved by a fraction of a pixel, and takes about as many times as
+    /// The picture is the mean of so many images, each moved by a fraction of a pixel, and takes up to as many times as
     /// long. With auto the number doubles until the picture changes by less than image.sampling_error. Default: the
     /// scene file's, else 1, which shows the center of each pixel.
     #[arg(long, value_name = "N")]
