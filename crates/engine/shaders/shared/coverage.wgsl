@@ -32,8 +32,8 @@ fn offset_of(splat: Splat, whole: vec2<f32>, pixel: vec2<u32>) -> vec2<f32> {
     return whole + (sample_in(pixel) - vec2<f32>(splat.fraction_x, splat.fraction_y));
 }
 
-// True if the pixel of the picture around a sample contains a center: the center's own pixel, unless pixels are quarters.
-// Its right and lower border lie outside.
+// True if the pixel of the picture around a sample contains a center: the center's own pixel, unless pixels are
+// quarters. Its right and lower border lie outside.
 fn contains(whole: vec2<f32>, offset: vec2<f32>) -> bool {
     if QUARTERS == 0u {
         return all(whole == vec2<f32>(0.0));

@@ -1,8 +1,8 @@
 // Where the sample of a pixel lies. The stage has `view`.
 
-// 1: pixels are quarters of those of the picture, halves in x and y, each with the sample of an image of its own. Of four
-// images with one sample in each quarter, the column of a sample follows from the row of its quarter, and its row from
-// the column (Hammersley's points; src/methods/mean.rs).
+// 1: pixels are quarters of those of the picture, half as wide and high, each with the sample of an image of its own.
+// The column of a sample in its quarter follows from the row of that, and its row from the column (Hammersley's points;
+// src/methods/mean.rs).
 override QUARTERS: u32 = 0u;
 
 // Columns and rows of a pixel of the picture.

@@ -28,7 +28,6 @@ pub(crate) trait Engine: Explain {
     /// Not even the smallest window fits.
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error>;
 
-    /// Cuts a window that turned out to be too large; `None` for a single pixel.
     /// Returns `true` if four images are drawn at once where a frame has that many: if each pixel follows from what
     /// covers its sample alone, without its neighbors and without random numbers.
     fn takes_fours(&self) -> bool {
@@ -219,8 +218,8 @@ pub(crate) struct Work<'a> {
     pub frame: &'a Frame,
     /// The window.
     pub window: Window,
-    /// Images of the frame whose nearest points were found last in this window, of frames that are drawn image by image;
-    /// `None` if there is one image.
+    /// Images whose nearest points were found last in this window, of frames that are drawn image by image; `None` if
+    /// there is one image.
     pub several: Option<&'a Cell<Option<Several>>>,
     /// The memory that may be used.
     pub budget: Budget,

@@ -5,10 +5,9 @@
 //! projected position moved by (½ − x, ½ − y) pixels, so that the centers of its pixels are these samples.
 //!
 //! Let N be at least 4, and call the samples that have all bits of i in common but the first and the last one a four.
-//! One of each four lies in each quarter of a pixel, half as wide and high, since the first bit of i is that of x and the
-//! last one that of y. So four images can be drawn at once, as one of twice as many columns and rows, each of whose
-//! pixels has its sample where that of its image lies in its quarter (shaders/shared/sample_place.wgsl). What covers a
-//! pixel of the picture covers fewer pixels of such an image than those of four images: tiles are finer.
+//! One of each four lies in each quarter of a pixel, since the first bit of i says which half it is in x, and the last
+//! one in y. So four images can be drawn at once, as one of twice as many columns and rows, each of whose pixels has its
+//! sample where that of its image lies in its quarter (shaders/shared/sample_place.wgsl).
 
 use std::cmp::Ordering;
 
@@ -17,6 +16,7 @@ use rayon::prelude::*;
 
 use super::Frame;
 use super::engine::Counts;
+use crate::camera::Camera;
 use crate::color::{ColorSpace, decode_srgb, encode_srgb};
 use crate::image::Image;
 use crate::passes::bands::Window;
@@ -37,15 +37,15 @@ fn shift(index: u32, count: u32) -> DVec2 {
     0.5 - place(index, count)
 }
 
-/// Columns and rows of a picture up to which four images are drawn at once: the middle of an image with twice as many
-/// is at most as far from its border as the place of a splat is known to a fraction of a pixel.
+/// Longest side of a picture whose images are drawn four at once, in pixels. The middle of such an image is as many
+/// away from its border, and splats have whole pixels and fractions up to there (shared/locate.wgsl).
 const LARGEST: u32 = 16_000;
 
 impl Frame {
     /// Returns the frame of one of the images whose mean is this frame's.
     #[must_use]
     pub fn image(&self, index: u32) -> Self {
-        let camera = crate::camera::Camera { shift: shift(index, self.samples), ..self.camera };
+        let camera = Camera { shift: shift(index, self.samples), ..self.camera };
         Self { camera, only: Some(index), ..*self }
     }
 
@@ -59,13 +59,13 @@ impl Frame {
         others.chain([middle]).map(|index| self.image(index)).collect()
     }
 
-    /// Returns the frames of all images, four at a time, where each pixel has fours of samples of which one lies in each
-    /// quarter. Whoever lights a pixel by those around it needs each image by itself.
+    /// Returns the frames of all images, four at a time; `None` if there are fewer, if the picture is too large, or if a
+    /// pixel is lit by those around it, which needs each image by itself.
     pub(super) fn fours(&self) -> Option<Vec<Self>> {
         let [width, height] = self.size;
         let fits = self.is_mean() && self.samples >= 4 && width.max(height) <= LARGEST && !self.shading.edl.edl;
-        let size = [2 * width, 2 * height];
-        fits.then(|| (0..self.samples / 4).map(|four| Self { size, four: Some(four), ..*self }).collect())
+        let (size, camera) = ([2 * width, 2 * height], Camera { shift: DVec2::ZERO, ..self.camera });
+        fits.then(|| (0..self.samples / 4).map(|four| Self { size, camera, four: Some(four), ..*self }).collect())
     }
 
     /// Returns where the samples of pixels lie.
@@ -162,9 +162,15 @@ impl Mean {
         }
     }
 
-    /// Adds a window of four images that were drawn at once, each of whose pixels is the quarter of one of the picture's;
-    /// the `first` four replaces what was there.
-    pub(super) fn add_four(&mut self, (rgba, counts): (&[[f32; 4]], &Counts), window: Window, first: bool, pitch: usize) {
+    /// Adds a window of four images that were drawn at once, in pixels of the picture, of which `pitch` are a row; the
+    /// `first` four replaces what was there.
+    pub(super) fn add_four(
+        &mut self,
+        (rgba, counts): (&[[f32; 4]], &Counts),
+        window: Window,
+        first: bool,
+        pitch: usize,
+    ) {
         let [x0, y0, x1, y1] = window.map(|v| v as usize);
         let (width, encoded) = (2 * (x1 - x0), self.encoded);
         let rows = self.colors[y0 * pitch..y1 * pitch].par_chunks_mut(pitch).zip(rgba.par_chunks(2 * width));
@@ -250,7 +256,7 @@ mod tests {
     /// Each quarter's sample is that of one image, and all fours have each image once.
     #[test]
     fn one_sample_of_each_four_lies_in_each_quarter_of_a_pixel() {
-        use crate::camera::{Camera, Projection};
+        use crate::camera::Projection;
         use crate::scene::Method;
         use glam::DVec3;
 

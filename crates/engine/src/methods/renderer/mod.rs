@@ -339,8 +339,8 @@ impl Renderer {
         FrameProfile { passes, begin, timeline: runs, submitted, total: timeline.whole, wall, waits }
     }
 
-    /// Returns the frames of the images whose mean is a frame's, as they are drawn one after the other: of each alone, or
-    /// of four at once.
+    /// Returns the frames that are drawn one after the other for a frame: of each of its images alone, or of four at
+    /// once.
     pub fn images(&self, frame: &Frame) -> Vec<Frame> {
         self.fours(engine_of(&frame.method).as_ref(), frame).unwrap_or_else(|| frame.images())
     }
@@ -410,7 +410,13 @@ impl Renderer {
 
     /// Returns `true` if a frame can learn its counts from earlier ones of its kind.
     fn learns(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
-        let kind = FrameKind { method: frame.method, size: frame.size, samples: frame.samples, region: self.region, points: cloud.total() };
+        let kind = FrameKind {
+            method: frame.method,
+            size: frame.size,
+            samples: frame.samples,
+            region: self.region,
+            points: cloud.total(),
+        };
         if self.kind != Some(kind) {
             timeline.foresight.forget();
             self.kind = Some(kind);

@@ -3,10 +3,10 @@
 use std::cell::{Cell, RefCell};
 
 use super::{LONGEST, Renderer};
-use crate::methods::mean::{self, Mean};
-use crate::methods::prelude::*;
 use crate::gpu::Given;
+use crate::methods::mean::{self, Mean};
 use crate::methods::points::Several;
+use crate::methods::prelude::*;
 
 /// What stages are given where pixels are quarters of those of the picture.
 const QUARTERS: Given = ("QUARTERS", 1.0);
