@@ -4,6 +4,7 @@ use include_dir::include_dir;
 
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
+use crate::methods::QUARTERS;
 use crate::methods::{FAMILIES, abuffer, image_space, opaque, soft, spbr};
 use crate::passes::{bin, compose, project, radix, scan, tiles};
 
@@ -29,9 +30,11 @@ pub static SHADERS: Sources = Sources {
 /// Overrides whose values a frame or a device decides, be they whatever they may: a list of variants has some of them.
 pub const NUMBERS: [&str; 2] = ["PART_LENGTH", "STRIPES"];
 
-/// Returns a variant's key without the values of [`NUMBERS`].
+/// Returns a variant's key without the values of [`NUMBERS`], and without what a recording gives to every shader that
+/// has it.
 pub fn key_without_numbers(variant: &Variant) -> String {
     let mut variant = variant.clone();
+    variant.overrides.retain(|(name, _)| *name != QUARTERS);
     variant.overrides.iter_mut().filter(|(name, _)| NUMBERS.contains(name)).for_each(|(_, value)| *value = 0.0);
     variant.key()
 }

@@ -69,7 +69,7 @@ pub struct Context {
     pub allowed: AtomicU64,
     /// All pipelines so far.
     pub pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
-    /// Which overrides shaders have, of those that were asked for.
+    /// `true` for overrides that shaders have, of those that were asked for.
     overrides: Mutex<HashMap<OverrideKey, bool>>,
     /// Times at which each of them was made.
     pub compilations: Mutex<Vec<Compilation>>,

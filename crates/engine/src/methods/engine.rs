@@ -7,8 +7,8 @@ use crate::progress::Progress;
 
 use super::explain::Explain;
 use super::parts::{Plane, SamplePart, Sums};
-use super::points::Several;
 use super::projected::{Projected, project};
+use super::several::Several;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};

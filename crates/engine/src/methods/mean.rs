@@ -25,6 +25,9 @@ use crate::passes::project::SamplePlaces;
 /// The numbers of samples that a frame may have.
 pub const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
+/// Name of the override of stages that is 1 where pixels are quarters of those of the picture.
+pub(crate) const QUARTERS: &str = "QUARTERS";
+
 /// Returns where in a pixel sample `index` of `count` lies: at multiples of 1/128.
 fn place(index: u32, count: u32) -> DVec2 {
     let of = f64::from(count);

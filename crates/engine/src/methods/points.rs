@@ -7,6 +7,7 @@ use std::cell::Cell;
 
 use super::opaque::{self, NearestSplat, Opaque};
 use crate::methods::prelude::*;
+use crate::methods::several::Several;
 use crate::passes::project::{POINTS_RUN, Places, PlacesGroup, PointsPush, Shaded, View, points_dispatch};
 
 pass! {
@@ -79,34 +80,6 @@ const SHADE_BYTES: u64 = 16;
 /// Elements of the nearest points of an image that others follow: each may be bound by itself.
 fn stride(pixels: u64) -> u64 {
     pixels.next_multiple_of(64)
-}
-
-/// Images of a frame with samples whose nearest points are found by one walk over the points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Several {
-    /// Turn of the first one.
-    pub first: u32,
-    /// Number of them.
-    pub images: u32,
-    /// Number of all images of the frame.
-    pub samples: u32,
-    /// Elements from an image's nearest points to the next one's.
-    pub stride: u32,
-    /// `true` if all points are shaded once.
-    pub shaded: bool,
-}
-
-impl Several {
-    /// Returns the push constants of a walk that finds them.
-    pub fn of(self, push: PointsPush) -> PointsPush {
-        let Self { first, images, samples, stride, .. } = self;
-        PointsPush { first_turn: first, images, samples, stride, ..push }
-    }
-
-    /// Returns `true` if the image whose turn it is belongs to them.
-    pub fn has(&self, turn: u32) -> bool {
-        (self.first..self.first + self.images).contains(&turn)
-    }
 }
 
 /// Returns the images from a turn on whose nearest points fit the budget, at least one; `before` are those found

@@ -3,13 +3,9 @@
 use std::cell::{Cell, RefCell};
 
 use super::{LONGEST, Renderer};
-use crate::gpu::Given;
 use crate::methods::mean::{self, Mean};
-use crate::methods::points::Several;
 use crate::methods::prelude::*;
-
-/// What stages are given where pixels are quarters of those of the picture.
-const QUARTERS: Given = ("QUARTERS", 1.0);
+use crate::methods::several::Several;
 
 /// The work on each window of a frame.
 #[derive(Clone)]
@@ -223,7 +219,7 @@ impl Renderer {
         }
         let (mut work, buffers) = self.work((job, frame), frame.part(window), timeline, facts);
         work.several = several;
-        work.timeline.given = frame.four.map(|_| QUARTERS);
+        work.timeline.given = frame.four.map(|_| (mean::QUARTERS, 1.0));
         let outcome = job.engine.render(cloud, buffers, &mut work);
         work.timeline.given = None;
         let outcome = outcome?;
