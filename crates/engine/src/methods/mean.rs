@@ -6,8 +6,8 @@
 //!
 //! Let N be at least 4, and call the samples that have all bits of i in common but the first and the last one a four.
 //! One of each four lies in each quarter of a pixel, since the first bit of i says which half it is in x, and the last
-//! one in y. So four images can be drawn at once, as one of twice as many columns and rows, each of whose pixels has its
-//! sample where that of its image lies in its quarter (shaders/shared/sample_place.wgsl).
+//! one in y. So four images can be drawn at once, as one of twice as many columns and rows, each of whose pixels has
+//! its sample where that of its image lies in its quarter (shaders/shared/sample_place.wgsl).
 
 use std::cmp::Ordering;
 
@@ -62,8 +62,8 @@ impl Frame {
         others.chain([middle]).map(|index| self.image(index)).collect()
     }
 
-    /// Returns the frames of all images, four at a time; `None` if there are fewer, if the picture is too large, or if a
-    /// pixel is lit by those around it, which needs each image by itself.
+    /// Returns the frames of all images, four at a time; `None` if there are fewer, if the picture is too large, or if
+    /// a pixel is lit by those around it, which needs each image by itself.
     pub(super) fn fours(&self) -> Option<Vec<Self>> {
         let [width, height] = self.size;
         let fits = self.is_mean() && self.samples >= 4 && width.max(height) <= LARGEST && !self.shading.edl.edl;

@@ -70,7 +70,7 @@ mod tests {
     fn fewer_groups_than_rows_are_idle() {
         for groups in [0, 1, 7, 65_535, 65_536, 65_537, 131_070, 131_071, 4_000_000, 65_535 * 65_535] {
             let [x, y] = folded(groups, 65_535);
-            assert!(x >= 1 && x <= 65_535 && y >= 1 && y <= 65_535, "{groups}");
+            assert!([x, y].into_iter().all(|side| (1..=65_535).contains(&side)), "{groups}");
             assert!(x * y >= groups && x * y < groups.max(1) + y, "{groups}: {x} x {y}");
         }
         assert_eq!([folded(1000, 65_535), folded(65_536, 65_535)], [[1000, 1], [32_768, 2]]);
