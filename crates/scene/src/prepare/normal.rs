@@ -2,6 +2,7 @@
 
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use pulp::Arch;
 
 /// Two principal axes whose variances differ by less than this share of the largest one are indistinguishable: rounding
 /// turns an axis by about 10⁻¹⁶ over that share.
@@ -69,6 +70,11 @@ impl Moments {
 
 /// Returns the smallest axes of some neighborhoods, each by its own moments.
 pub(super) fn smallest_axes(moments: &[Moments]) -> Vec<SmallestAxis> {
+    Arch::new().dispatch(|| in_vectors(moments))
+}
+
+#[inline(always)]
+fn in_vectors(moments: &[Moments]) -> Vec<SmallestAxis> {
     let mut found = Vec::with_capacity(moments.len());
     for some in moments.chunks(LANES) {
         let (mut diagonal, mut off) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
@@ -116,6 +122,7 @@ type Lanes = [f64; LANES];
 ///
 /// `off` are the elements off the diagonal, each by the index that neither its row nor its column has. The vectors come
 /// by their coordinates.
+#[inline(always)]
 fn principal_axes(mut values: [Lanes; 3], mut off: [Lanes; 3]) -> ([Lanes; 3], [[Lanes; 3]; 3]) {
     let (one, zero) = ([1.0; LANES], [0.0; LANES]);
     let mut axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
@@ -152,6 +159,7 @@ fn principal_axes(mut values: [Lanes; 3], mut off: [Lanes; 3]) -> ([Lanes; 3], [
 }
 
 /// (cos·a − sin·b, sin·a + cos·b).
+#[inline(always)]
 fn rotated(a: Lanes, b: Lanes, sin: Lanes, cos: Lanes) -> (Lanes, Lanes) {
     let (mut first, mut second) = (a, b);
     for i in 0..LANES {

@@ -4,6 +4,7 @@
 //! original positions; of equal distances those of smaller x, then y, then z; of equal positions by normal (up to its
 //! sign). They are listed by rank, so that shuffled points have the same neighbors, in the same sequence, to the bit.
 
+mod region;
 mod search;
 mod tree;
 
@@ -279,13 +280,14 @@ impl Places {
                 // Most leaves are even as a whole.
                 let farthest = distances[places.clone()].iter().copied().fold(0.0, f64::max);
                 let least = around(&leaf.cuboid, farthest);
-                for place in places.filter(|&place| distances[place] > least) {
-                    let distance = distances[place];
-                    if distance > around(&Cuboid::at(self.columns.position(place)), distance) {
-                        self.take(place, k, search.one(place), &mut ranks);
-                        changed.push((place, see(place, &ranks)));
-                    }
-                }
+                let is_uneven = |place: &usize| {
+                    let distance = distances[*place];
+                    distance > least && distance > around(&Cuboid::at(self.columns.position(*place)), distance)
+                };
+                search.leaf(leaf, places.filter(is_uneven), |place, found| {
+                    self.take(place, k, found, &mut ranks);
+                    changed.push((place, see(place, &ranks)));
+                });
             }
             changed
         };
@@ -411,6 +413,25 @@ pub(super) mod tests {
                 assert_eq!(places.others(place, k), (others.to_vec(), distance), "{count} {k} {place}");
             };
             places.visit(k, &Progress::hidden(), see);
+        }
+    }
+
+    #[test]
+    fn distances_that_float32_cannot_tell_apart_are_told_apart() {
+        let mut random = Pcg64::seed_from_u64(21);
+        let mut number = || random.random::<f64>() - 0.5;
+        // Shells about one point whose radii differ by some units of float64, and others far from the origin.
+        let shell = |middle: DVec3, radius: f64, direction: DVec3| middle + radius * direction.normalize_or(DVec3::X);
+        let mut points = vec![DVec3::ZERO, DVec3::splat(1e6)];
+        for i in 0..200 {
+            let (radius, direction) = (1.0 + f64::from(i) * 1e-15, DVec3::new(number(), number(), number()));
+            points.extend([shell(points[0], radius, direction), shell(points[1], radius, direction)]);
+        }
+        let places = Places::group(&points, None).unwrap();
+        for k in [1, 24, 100] {
+            places.visit(k, &Progress::hidden(), |place, others, distance| {
+                assert_eq!((others.to_vec(), distance), brute_force(&places, place, k), "{k} {place}");
+            });
         }
     }
 

@@ -1,22 +1,18 @@
 //! The nearest places of a place.
 //!
-//! Places are looked for leaf by leaf: those of a leaf have nearly the same neighbors, so that the leaves around it are
-//! gathered once, within a distance that the neighbors of a place nearby bound (the triangle inequality). Where that
-//! would be too many leaves, as around an outlier, each place goes through the tree by itself, nearest box first.
+//! Places are looked for leaf by leaf: those of a leaf have nearly the same neighbors, so that the places around it are
+//! gathered once, as far as the neighbors of the leaf before were. Where that would be too many, as around an outlier,
+//! each place goes through the tree by itself, nearest box first.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use glam::DVec3;
+use pulp::Arch;
 
+use super::region::{LANES, Region, larger};
 use super::tree::{Cuboid, LEAF, Node, PlaceTree};
 use pellucid_core::parallel;
-
-/// Places in the leaves around one, above which each of its places is looked for by itself.
-const MOST_AROUND: usize = 4096;
-
-/// Places that were looked for last: their distances bound those of the next.
-const RECENT: usize = 16;
 
 /// Numbers that are tried before distances are selected by moving them.
 const CUTS: usize = 8;
@@ -24,22 +20,37 @@ const CUTS: usize = 8;
 /// Widens a bound by the roundings of a distance and of a sum.
 pub(super) const WIDER: f64 = 1.0 + 1e-14;
 
+/// Squared distance from a leaf that is gathered for each of that to the farthest neighbor of a place before.
+const AHEAD: f64 = 1.5;
+
 /// Positions by place, a coordinate at a time, in the unit of distances.
 #[derive(Debug, Default)]
 pub(super) struct Columns {
     x: Vec<f64>,
     y: Vec<f64>,
     z: Vec<f64>,
+    /// The number of places, behind which infinity fills some lanes.
+    len: usize,
 }
 
 impl Columns {
     /// Builds the search from positions by rank, and the first rank of each place.
     pub fn new(positions: &[DVec3], starts: &[u32], unit: f64) -> Self {
         let per_unit = 1.0 / unit;
-        let column = |axis: usize| parallel::map_each(starts, |&rank| positions[rank as usize][axis] * per_unit);
-        Self { x: column(0), y: column(1), z: column(2) }
+        let len = starts.len();
+        let column = |axis: usize| {
+            let at = |place: usize| starts.get(place).map_or(f64::INFINITY, |&rank| positions[rank as usize][axis]);
+            parallel::map(len + LANES, |place| at(place) * per_unit)
+        };
+        Self { x: column(0), y: column(1), z: column(2), len }
     }
 
+    /// Returns the number of places.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    #[inline(always)]
     pub fn position(&self, place: usize) -> DVec3 {
         DVec3::new(self.x[place], self.y[place], self.z[place])
     }
@@ -47,6 +58,20 @@ impl Columns {
     /// Returns the squared distance of two places.
     pub fn squared_between(&self, a: usize, b: usize) -> f64 {
         (self.position(b) - self.position(a)).length_squared()
+    }
+
+    /// Returns the squared distance of a place from a position.
+    #[inline(always)]
+    pub fn squared_from(&self, here: DVec3, place: usize) -> f64 {
+        let (x, y, z) = (self.x[place] - here.x, self.y[place] - here.y, self.z[place] - here.z);
+        x * x + y * y + z * z
+    }
+
+    /// Returns the coordinates of some places from one on, each by itself; infinity behind the last.
+    #[inline(always)]
+    pub fn lanes(&self, first: usize) -> [&[f64]; 3] {
+        let lanes = first..first + LANES;
+        [&self.x[lanes.clone()], &self.y[lanes.clone()], &self.z[lanes]]
     }
 
     /// The squared distances of the places of a leaf, the rest of the list being of no meaning.
@@ -62,22 +87,40 @@ impl Columns {
     }
 }
 
+/// Places that were found, and their squared distances: the first `count` of each.
+#[derive(Default)]
+pub(super) struct Found {
+    pub places: Vec<u32>,
+    pub squared: Vec<f64>,
+    pub count: usize,
+}
+
+impl Found {
+    /// Makes room for at least so many places.
+    #[inline(always)]
+    pub fn make_room(&mut self, count: usize) {
+        if self.places.len() < count {
+            self.places.resize(count, 0);
+            self.squared.resize(count, 0.0);
+        }
+    }
+}
+
 /// Finds the nearest places of one place after the other. It keeps what it learns from one for the next.
 pub(super) struct Search<'a> {
     tree: &'a PlaceTree,
     columns: &'a Columns,
-    around: Around,
-    /// Places that were found, and their squared distances: the first `count` of each.
-    found: Vec<u32>,
-    squared: Vec<f64>,
-    count: usize,
+    region: Region,
+    found: Found,
     /// Distances that selection may move.
     moved: Vec<f64>,
     boxes: BinaryHeap<Reverse<(u64, u32)>>,
-    /// Places that were looked for lately, each with the distance of the last one wanted around it.
-    recent: [(DVec3, f64); RECENT],
-    next_recent: usize,
+    /// Squared distance of the last one wanted around the place before.
+    last: f64,
+    /// The largest of those of the leaf before.
+    farthest: f64,
     wanted: usize,
+    arch: Arch,
 }
 
 /// The places as near to one as the last one wanted, itself among them. All places if there are no more than wanted.
@@ -89,120 +132,84 @@ pub(super) struct NearestPlaces<'a> {
     pub last: f64,
 }
 
-/// The leaves around one.
-#[derive(Default)]
-struct Around {
-    leaves: Vec<Node>,
-    /// Bounds of the leaves, an edge at a time.
-    edges: [Vec<f64>; 6],
-    /// Squared distances of the leaves from the middle one.
-    from_leaf: Vec<f64>,
-    /// Squared distances from a place.
-    squared: Vec<f64>,
-    /// Places of the leaves that are near enough to it.
-    near: Vec<u32>,
-    /// The number of places in them.
-    places: usize,
-    /// The squared distance from the middle leaf within which there are all.
-    reach: f64,
-}
-
 impl<'a> Search<'a> {
     /// Returns a search for `wanted` places in addition to the one that is asked for.
     pub fn new(tree: &'a PlaceTree, columns: &'a Columns, wanted: usize) -> Self {
         Self {
             tree,
             columns,
-            around: Around::default(),
-            found: Vec::new(),
-            squared: Vec::new(),
-            count: 0,
+            region: Region::default(),
+            found: Found::default(),
             moved: Vec::new(),
             boxes: BinaryHeap::new(),
-            recent: [(DVec3::ZERO, f64::INFINITY); RECENT],
-            next_recent: 0,
+            last: f64::INFINITY,
+            farthest: f64::INFINITY,
             wanted,
+            arch: Arch::new(),
         }
     }
 
     /// Calls `see` for each of some places of one leaf with what was found around it.
-    pub fn leaf(&mut self, leaf: Node, places: std::ops::Range<usize>, mut see: impl FnMut(usize, NearestPlaces<'_>)) {
-        let here = self.columns.position(places.start);
-        let farthest = places.clone().map(|place| self.columns.squared_between(places.start, place));
-        let farthest = farthest.fold(0.0, f64::max).sqrt();
-        let mut near = self.gather(&leaf, self.bound(here) + farthest);
-        for place in places.clone() {
+    pub fn leaf(&mut self, leaf: Node, places: impl Iterator<Item = usize>, see: impl FnMut(usize, NearestPlaces<'_>)) {
+        self.arch.dispatch(|| self.leaf_in_vectors(leaf, places, see));
+    }
+
+    #[inline(always)]
+    fn leaf_in_vectors(
+        &mut self,
+        leaf: Node,
+        places: impl Iterator<Item = usize>,
+        mut see: impl FnMut(usize, NearestPlaces<'_>),
+    ) {
+        let (mut farthest, mut is_first) = (0.0, true);
+        let mut near = self.farthest.is_finite() && self.gather(&leaf, self.farthest * AHEAD);
+        for place in places {
             let position = self.columns.position(place);
-            let bound = self.bound(position);
-            if !near || !self.within(position, bound * bound) {
-                self.through_tree(position);
-            }
-            let last = self.keep_nearest();
-            self.remember(position, last.sqrt());
-            if place == places.start {
-                // Of this place it is known now how far the last one is, of the others how far at most.
-                let reach = (last.sqrt() + farthest) * WIDER;
-                if near {
-                    self.around.shrink(reach * reach * WIDER);
-                } else {
-                    near = self.gather(&leaf, reach);
+            let last = loop {
+                if !near {
+                    self.through_tree(position);
+                    break self.keep_nearest();
                 }
+                let (found, wanted) = (&mut self.found, self.wanted + 1);
+                let reach = if self.region.find(self.columns, position, wanted, self.last, found) {
+                    let last = self.keep_nearest();
+                    if last <= self.region.reach {
+                        break last;
+                    }
+                    last
+                } else {
+                    4.0 * self.region.reach
+                };
+                near = self.gather(&leaf, reach * AHEAD);
+            };
+            if std::mem::take(&mut is_first) && !near {
+                // How far places lie here is known now.
+                near = self.gather(&leaf, last * AHEAD);
             }
-            see(place, NearestPlaces { places: &self.found[..self.count], last });
+            (self.last, farthest) = (last, larger(last, farthest));
+            see(place, NearestPlaces { places: &self.found.places[..self.found.count], last });
+        }
+        if !is_first {
+            self.farthest = farthest;
         }
     }
 
-    /// Gathers the leaves within a distance of one; false if they hold too many places.
+    /// Gathers the places within a squared distance of a leaf; false if that is of no use.
+    #[inline(always)]
     fn gather(&mut self, leaf: &Node, reach: f64) -> bool {
-        self.around.gather(self.tree, &leaf.cuboid, reach * reach * WIDER)
+        self.columns.len() > self.wanted && self.region.gather(self.tree, self.columns, &leaf.cuboid, reach)
     }
 
     /// Finds the neighbors of a single place, like [`Search::leaf`].
     pub fn one(&mut self, place: usize) -> NearestPlaces<'_> {
         self.through_tree(self.columns.position(place));
         let last = self.keep_nearest();
-        NearestPlaces { places: &self.found[..self.count], last }
-    }
-
-    /// A distance within which as many places lie as are wanted, and the one that is asked for.
-    fn bound(&self, here: DVec3) -> f64 {
-        let through = |(there, distance): &(DVec3, f64)| distance + here.distance(*there);
-        self.recent.iter().map(through).fold(f64::INFINITY, f64::min) * WIDER
-    }
-
-    fn remember(&mut self, position: DVec3, distance: f64) {
-        self.recent[self.next_recent] = (position, distance);
-        self.next_recent = (self.next_recent + 1) % RECENT;
-    }
-
-    /// Finds all places within a squared distance, in the leaves around. False if there are too few.
-    fn within(&mut self, here: DVec3, bound: f64) -> bool {
-        let Self { around, found, squared, columns, .. } = self;
-        let bound = bound.min(around.reach);
-        around.measure(here, bound);
-        if found.len() < around.places {
-            found.resize(around.places, 0);
-            squared.resize(around.places, 0.0);
-        }
-        let (found, squared) = (found.as_mut_slice(), squared.as_mut_slice());
-        let mut count = 0;
-        for &leaf in &around.near {
-            let leaf = &around.leaves[leaf as usize];
-            let (first, len) = (leaf.first as usize, (leaf.leaf_len as usize).min(LEAF));
-            let distances = columns.squared_of_leaf(here, first, len);
-            // Written whether it is near enough or not: no branch to mispredict.
-            for (i, distance) in distances.iter().enumerate().take(len) {
-                (found[count], squared[count]) = ((first + i) as u32, *distance);
-                count += usize::from(*distance <= bound);
-            }
-        }
-        self.count = count;
-        count > self.wanted
+        NearestPlaces { places: &self.found.places[..self.found.count], last }
     }
 
     /// Finds at least the places wanted through the tree, nearest box first.
     fn through_tree(&mut self, here: DVec3) {
-        let Self { tree, columns, found, squared, moved, boxes, wanted, .. } = self;
+        let Self { tree, columns, found: all, moved, boxes, wanted, .. } = self;
         let point = Cuboid::at(here);
         let mut count = 0;
         boxes.clear();
@@ -221,10 +228,8 @@ impl<'a> Search<'a> {
                 continue;
             }
             let (first, len) = (node.first as usize, node.leaf_len as usize);
-            if found.len() < count + len {
-                found.resize(count + len, 0);
-                squared.resize(count + len, 0.0);
-            }
+            all.make_room(count + len);
+            let (found, squared) = (&mut all.places, &mut all.squared);
             for (i, distance) in columns.squared_of_leaf(here, first, len).iter().enumerate().take(len) {
                 if *distance <= bound {
                     (found[count], squared[count]) = ((first + i) as u32, *distance);
@@ -237,15 +242,16 @@ impl<'a> Search<'a> {
                 most = most.max(2 * count);
             }
         }
-        sort_together(&mut found[..count], &mut squared[..count]);
-        self.count = count;
+        sort_together(&mut all.places[..count], &mut all.squared[..count]);
+        all.count = count;
     }
 
     /// Drops those farther than the last one wanted; its squared distance.
+    #[inline(always)]
     fn keep_nearest(&mut self) -> f64 {
-        let (found, squared) = (&mut self.found[..self.count], &mut self.squared[..self.count]);
+        let Found { places, squared, count } = &mut self.found;
         let last;
-        (self.count, last) = nearest(found, squared, &mut self.moved, self.wanted);
+        (*count, last) = nearest(&mut places[..*count], &mut squared[..*count], &mut self.moved, self.wanted);
         last
     }
 }
@@ -261,6 +267,7 @@ fn sort_together(found: &mut [u32], squared: &mut [f64]) {
 
 /// Moves the places as near as the one after `wanted` others to the front, in their order; their number and the squared
 /// distance of that one. Of fewer places all stay.
+#[inline(always)]
 fn nearest(found: &mut [u32], squared: &mut [f64], moved: &mut Vec<f64>, wanted: usize) -> (usize, f64) {
     let limit = if squared.len() > wanted + 1 {
         cut(squared, wanted + 1).unwrap_or_else(|| {
@@ -276,13 +283,14 @@ fn nearest(found: &mut [u32], squared: &mut [f64], moved: &mut Vec<f64>, wanted:
         (found[kept], squared[kept]) = (found[i], squared[i]);
         kept += usize::from(squared[i] <= limit);
     }
-    (kept, squared[..kept].iter().copied().fold(0.0, larger))
+    (kept, largest(&squared[..kept]))
 }
 
 /// A number that so many of some distances don't exceed, by counting and interpolating. `None` where it isn't soon
 /// found, as where many are equal.
+#[inline(always)]
 fn cut(squared: &[f64], wanted: usize) -> Option<f64> {
-    let (mut low, mut high) = ((0.0, 0), (squared.iter().copied().fold(0.0, larger), squared.len()));
+    let (mut low, mut high) = ((0.0, 0), (largest(squared), squared.len()));
     for _ in 0..CUTS {
         let share = (wanted as f64 + 0.5 - low.1 as f64) / (high.1 - low.1) as f64;
         let middle = low.0 + (high.0 - low.0) * share;
@@ -297,85 +305,16 @@ fn cut(squared: &[f64], wanted: usize) -> Option<f64> {
     None
 }
 
-impl Around {
-    /// Gathers the leaves within a squared distance of a leaf; false if their places are too many.
-    fn gather(&mut self, tree: &PlaceTree, leaf: &Cuboid, reach: f64) -> bool {
-        self.truncate(0);
-        (self.places, self.reach) = (0, reach);
-        let mut index = 0;
-        while let Some(node) = tree.nodes.get(index) {
-            let squared = node.cuboid.squared(leaf);
-            if squared > reach {
-                index = node.next as usize;
-                continue;
-            }
-            index += 1;
-            if node.leaf_len > 0 {
-                self.push(*node, squared);
-                if self.places > MOST_AROUND {
-                    return false;
-                }
-            }
+/// The largest of some distances.
+#[inline(always)]
+fn largest(squared: &[f64]) -> f64 {
+    // Of several lanes, which don't wait for each other.
+    let (all, rest) = squared.as_chunks::<LANES>();
+    let mut lanes = [0.0; LANES];
+    for squared in all {
+        for lane in 0..LANES {
+            lanes[lane] = larger(lanes[lane], squared[lane]);
         }
-        true
     }
-
-    fn push(&mut self, leaf: Node, squared: f64) {
-        let Cuboid { min, max } = leaf.cuboid;
-        for (edges, edge) in self.edges.iter_mut().zip([min.x, min.y, min.z, max.x, max.y, max.z]) {
-            edges.push(edge);
-        }
-        self.places += leaf.leaf_len as usize;
-        self.leaves.push(leaf);
-        self.from_leaf.push(squared);
-    }
-
-    /// Drops the leaves beyond a squared distance.
-    fn shrink(&mut self, reach: f64) {
-        let mut kept = 0;
-        for i in 0..self.leaves.len() {
-            if self.from_leaf[i] > reach {
-                continue;
-            }
-            self.leaves.swap(kept, i);
-            self.from_leaf.swap(kept, i);
-            self.edges.iter_mut().for_each(|edges| edges.swap(kept, i));
-            kept += 1;
-        }
-        self.truncate(kept);
-        self.places = self.leaves.iter().map(|leaf| leaf.leaf_len as usize).sum();
-        self.reach = self.reach.min(reach);
-    }
-
-    fn truncate(&mut self, leaves: usize) {
-        self.leaves.truncate(leaves);
-        self.from_leaf.truncate(leaves);
-        self.edges.iter_mut().for_each(|edges| edges.truncate(leaves));
-    }
-
-    /// Finds the leaves within a squared distance from a place.
-    fn measure(&mut self, here: DVec3, bound: f64) {
-        let count = self.leaves.len();
-        self.squared.resize(count, 0.0);
-        let [x0, y0, z0, x1, y1, z1] = &self.edges;
-        let (x0, y0, z0) = (&x0[..count], &y0[..count], &z0[..count]);
-        let (x1, y1, z1) = (&x1[..count], &y1[..count], &z1[..count]);
-        for (i, squared) in self.squared.iter_mut().enumerate() {
-            let apart = |low: f64, high: f64, here: f64| larger(larger(low - here, here - high), 0.0);
-            let (x, y, z) = (apart(x0[i], x1[i], here.x), apart(y0[i], y1[i], here.y), apart(z0[i], z1[i], here.z));
-            *squared = x * x + y * y + z * z;
-        }
-        self.near.resize(count, 0);
-        let mut kept = 0;
-        for (leaf, squared) in self.squared.iter().enumerate() {
-            self.near[kept] = leaf as u32;
-            kept += usize::from(*squared <= bound);
-        }
-        self.near.truncate(kept);
-    }
-}
-
-/// The larger of two numbers; one instruction, which `f64::max` is not.
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    lanes.iter().chain(rest).copied().fold(0.0, larger)
 }
