@@ -1,7 +1,9 @@
 //! Typed buffers: allocated by name, filled and read back through small staging buffers.
 
+use std::ffi::c_void;
 use std::marker::PhantomData;
 use std::ops::Range;
+use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -131,6 +133,15 @@ impl<T: GpuType> Buffer<T> {
         assert!(len <= self.len.max(1), "{}: upload larger than the buffer", self.name);
         let size = size_of::<T>() as u64;
         self.context.uploaded.fetch_add(len * size, Ordering::Relaxed);
+        if let Some(memory) = self.host_memory() {
+            let len = usize::try_from(len).unwrap_or(usize::MAX);
+            // SAFETY: the buffer has room for `len` elements of plain data, at an address that Vulkan aligns for any of
+            // them. Each submission is waited for, so that no pass uses the buffer now; the next one sees what the host
+            // wrote before it.
+            let elements = unsafe { std::slice::from_raw_parts_mut(memory.cast::<T>().as_ptr(), len) };
+            fill(0..len, elements);
+            return Ok(());
+        }
         let most = (STAGING_BYTES / size).clamp(1, len.max(1));
         let mut staging = Buffer::<T>::new(&self.context, "staging", most, Memory::Upload)?;
         let mut first = 0;
@@ -175,6 +186,14 @@ impl<T: GpuType> Buffer<T> {
     /// Returns the content of a [`Memory::Readback`] buffer.
     pub fn mapped_slice(&self) -> &[T] {
         &bytemuck::cast_slice(self.mapped())[..self.len as usize]
+    }
+
+    /// The memory of the buffer, where the host can write to it: a CPU driver's is the host's. On a GPU whose own memory
+    /// can be mapped a copy by the device is not slower, and leaves the choice of memory to the allocator.
+    fn host_memory(&self) -> Option<NonNull<c_void>> {
+        let allocation = self.allocation.as_ref().filter(|_| self.context.info.prefers.host_writes)?;
+        let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        allocation.memory_properties().contains(coherent).then(|| allocation.mapped_ptr()).flatten()
     }
 
     fn mapped(&self) -> &[u8] {

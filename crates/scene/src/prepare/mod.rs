@@ -26,6 +26,7 @@ use glam::Vec3;
 pub use arranged::{Arranged, Supplied};
 use pellucid_core::cloud::field::{self, Field};
 use pellucid_core::cloud::{Bounds, Cloud, Prepared};
+use pellucid_core::parallel;
 use pellucid_core::points::as_estimated;
 use pellucid_core::progress::Progress;
 
@@ -282,7 +283,7 @@ fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surf
         Vec3::ZERO => as_estimated(surface.normals[i]),
         own => own,
     };
-    (0..cloud.len()).map(one).collect()
+    parallel::map(cloud.len(), one)
 }
 
 /// Returns the cloud with radii and field, and with normals if they are asked for, ready for
