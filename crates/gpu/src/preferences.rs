@@ -13,13 +13,16 @@ pub struct Preferences {
     /// Splats of at most so many pixels are walked by one invocation each, larger ones tile by tile. The invocations of
     /// a GPU's subgroup wait for the largest splat among theirs; on a CPU tiles only cost.
     pub small_area: u32,
+    /// `true` if the tiles' lists of ordered splats come from a stable sort of pairs of tile and splat, of which a GPU
+    /// moves thousands at once; false if each subgroup takes a run of splats one by one, which needs no further memory.
+    pub tile_pairs: bool,
 }
 
 impl Preferences {
     /// Preferences of drivers that run on a CPU.
-    pub const CPU: Self = Self { concurrent_runs: 32, shared_work: false, small_area: 1024 };
+    pub const CPU: Self = Self { concurrent_runs: 32, shared_work: false, small_area: 1024, tile_pairs: false };
     /// Preferences of GPUs.
-    pub const GPU: Self = Self { concurrent_runs: 4096, shared_work: true, small_area: 64 };
+    pub const GPU: Self = Self { concurrent_runs: 4096, shared_work: true, small_area: 64, tile_pairs: true };
 
     pub(super) fn of(device_type: vk::PhysicalDeviceType) -> Self {
         if device_type == vk::PhysicalDeviceType::CPU { Self::CPU } else { Self::GPU }
