@@ -66,7 +66,7 @@ impl Binning {
         Ok((drawn > 0).then(|| Self { cut, ..binning() }))
     }
 
-    /// The same by sorting pairs of tile and splat.
+    /// Returns the binning by sorted pairs of tile and splat.
     fn by_pairs(self) -> Self {
         Self { runs: Runs { runs: 1, length: self.drawn as u32 }, pairs: true, ..self }
     }
@@ -93,8 +93,8 @@ impl Binning {
         u64::from(self.columns) * u64::from(self.rows)
     }
 
-    /// Counters: one for each tile and run, and one more, whose prefix sum is the total. Where pairs are sorted, one for
-    /// each splat behind them.
+    /// Counters: one for each tile and run, and one more, whose prefix sum is the total. Where pairs are sorted, those
+    /// of the splats lie behind them.
     pub(super) fn cells(&self) -> u64 {
         self.total() + 1 + if self.pairs { self.drawn } else { 0 }
     }

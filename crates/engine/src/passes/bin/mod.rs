@@ -89,7 +89,7 @@ fields! {
         longest: Buffer<u32> = device.buffer("longest tile list", 1, Memory::Device)?,
         entries: Scratch<u32> = Scratch::new("ordered tile entries", Memory::Device),
         pairs: [Scratch<[u32; 2]>; 2] =
-            ["pairs of tile and splat", "pairs of tile and splat, moved"].map(|name| Scratch::new(name, Memory::Device)),
+            ["tile pairs", "tile pairs, moved"].map(|name| Scratch::new(name, Memory::Device)),
     }
 }
 
