@@ -16,13 +16,18 @@ pub struct Preferences {
     /// `true` if the host writes into the device's memory by itself where it can: on a CPU driver, which would copy with
     /// one core what all cores can write at once.
     pub host_writes: bool,
+    /// `true` if the tiles' lists of ordered splats come from a stable sort of pairs of tile and splat, of which a GPU
+    /// moves thousands at once; false if each subgroup takes a run of splats one by one, which needs no further memory.
+    pub tile_pairs: bool,
 }
 
 impl Preferences {
     /// Preferences of drivers that run on a CPU.
-    pub const CPU: Self = Self { concurrent_runs: 32, shared_work: false, small_area: 1024, host_writes: true };
+    pub const CPU: Self =
+        Self { concurrent_runs: 32, shared_work: false, small_area: 1024, host_writes: true, tile_pairs: false };
     /// Preferences of GPUs.
-    pub const GPU: Self = Self { concurrent_runs: 4096, shared_work: true, small_area: 64, host_writes: false };
+    pub const GPU: Self =
+        Self { concurrent_runs: 4096, shared_work: true, small_area: 64, host_writes: false, tile_pairs: true };
 
     pub(super) fn of(device_type: vk::PhysicalDeviceType) -> Self {
         if device_type == vk::PhysicalDeviceType::CPU { Self::CPU } else { Self::GPU }

@@ -4,9 +4,8 @@
 // One subgroup per run of splats and block of tiles takes its splats one by one. A tile belongs to one invocation by
 // its place in a pattern of LANE_COLUMNS x LANE_ROWS: its cursor is nobody else's, so that the entries keep the order
 // without atomics or barriers.
-//
-// An entry says, too, which of the tile's 2 x 2 blocks of pixels the splat's rectangle meets.
 #import tile_push
+#import tile_entry
 #import dispatch
 @group(0) @binding(3) var<storage, read_write> cursors: array<u32>;
 @group(0) @binding(4) var<storage, read_write> entries: array<u32>;
@@ -14,15 +13,6 @@
 // The first tile at or after `low` that has this place in the pattern.
 fn own(low: u32, place: u32, period: u32) -> u32 {
     return low + (place + period - low % period) % period;
-}
-
-// One bit for each block of a tile that a rectangle meets which meets the tile.
-fn blocks_met(rectangle: vec2<u32>, tile: vec2<u32>) -> u32 {
-    let middle = view.window.xy + tile * TILE_SIDE + BLOCK_SIDE;
-    let before = (rectangle & vec2<u32>(0xffffu)) < middle;
-    let behind = (rectangle >> vec2<u32>(16u)) > middle;
-    let columns = select(0u, 1u, before.x) | select(0u, 2u, behind.x);
-    return select(0u, columns, before.y) | select(0u, columns << 2u, behind.y);
 }
 
 @compute @workgroup_size(SUBGROUP)
@@ -60,7 +50,7 @@ fn main(
                     // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written
                     // outside.
                     if slot < arrayLength(&entries) {
-                        entries[slot] = index | blocks_met(rectangle, tile) << INDEX_BITS;
+                        entries[slot] = entry_of(index, rectangle, tile);
                     }
                 }
                 tile.x += LANE_COLUMNS;

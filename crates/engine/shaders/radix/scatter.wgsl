@@ -9,7 +9,7 @@
 #import dispatch
 @group(0) @binding(0) var<storage, read> records: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read_write> cursors: array<atomic<u32>>;
-@group(0) @binding(2) var<storage, read_write> moved: array<vec2<u32>>;
+#piece
 
 @compute @workgroup_size(SUBGROUP)
 fn main(
@@ -50,7 +50,7 @@ fn main(
         }
         place = subgroupShuffle(place, first & (SUBGROUP - 1u)) + equal_before;
         if present && place < arrayLength(&moved) {
-            moved[place] = record;
+            put(place, record);
         }
     }
 }

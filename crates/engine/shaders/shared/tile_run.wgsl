@@ -8,7 +8,7 @@ struct TileWalk {
     columns: u32,
     first_tile: u32,
     tiles: u32,
-    // Cells of a tile in the table of ends.
+    // Cells of a tile in the table of ends; 0 if that is a table of the tiles' starts, and of the end of the last.
     runs: u32,
     // Which part of each tile's splats: those from segment * TAKEN on; and the number of parts of the longest tile.
     segment: u32,
@@ -27,14 +27,19 @@ fn subgroup_of(workgroup: u32, member: u32) -> u32 {
     return select(workgroup * TEAM + member, workgroup, TEAM == 1u);
 }
 
+// Where the splats of a tile begin that is not the first: the place in the table that says so.
+fn begun(tile: u32) -> u32 {
+    return select(tile * push.walk.runs - 1u, tile, push.walk.runs == 0u);
+}
+
 // One past a tile's last splat.
 fn tile_end(tile: u32) -> u32 {
-    return ends[(tile + 1u) * push.walk.runs - 1u];
+    return ends[begun(tile + 1u)];
 }
 
 // The run's first splat of a tile, and one past its last.
 fn run_of(tile: u32) -> vec2<u32> {
-    let before = select(0u, ends[max(tile * push.walk.runs, 1u) - 1u], tile > 0u);
+    let before = select(0u, ends[begun(max(tile, 1u))], tile > 0u);
     let start = before + push.walk.segment * TAKEN;
     return vec2<u32>(start, min(start + TAKEN, tile_end(tile)));
 }

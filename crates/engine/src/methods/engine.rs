@@ -12,7 +12,7 @@ use super::several::Several;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
-use crate::passes::bin::Binned;
+use crate::passes::bin::{self, Binned};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, PointExtent, Projecting, Stats};
 use crate::passes::raster::Walker;
@@ -47,6 +47,18 @@ pub(crate) trait Engine: Explain {
             Some(of) => discs.or(PointExtent::gaussians(&of.gaussians, &frame.camera, frame.size)),
             None => discs,
         }
+    }
+
+    /// Returns the number of points that may be on the device at once. Of more than that, those of one window at a time
+    /// are.
+    fn most_points(&self, device: &Device) -> u64 {
+        let all = Cut::most(device);
+        if self.sorts(device.info()) { bin::most_points(device).min(all) } else { all }
+    }
+
+    /// Returns `true` if frames need their splats sorted.
+    fn sorts(&self, device: &DeviceInfo) -> bool {
+        self.needs_subgroups(device)
     }
 
     /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with

@@ -6,6 +6,7 @@ use super::{Facts, Frame, edl, shadows};
 use crate::gpu::Device;
 use crate::passes::bin::{self, Order};
 use crate::passes::radix::Digits;
+use crate::passes::scan::Scan;
 use crate::passes::tiles;
 use crate::scene::ShadingModel;
 
@@ -63,13 +64,16 @@ impl PassGroup {
 /// Reason why a pass over splats is off.
 pub(crate) const NOTHING: &str = "no splat touches the image";
 
+/// Reason why points that are in order have no keys.
+const PRESORTED_KEYS: &str = "points are already sorted along each axis";
+
 /// Reason why splats go through tiles where any order would do.
 pub(crate) const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// Counters and pixels that most methods clear, and the results of the projection.
 pub(crate) const COUNTERS: [&str; 2] = ["project/clear", "project/stats"];
 /// The passes that sort splats, four of them, and put them into tiles.
-pub(crate) const ORDER: [&str; 9] = [
+pub(crate) const ORDER: [&str; 10] = [
     "bin/keys",
     "radix/clear",
     "radix/count",
@@ -79,6 +83,7 @@ pub(crate) const ORDER: [&str; 9] = [
     "bin/measure",
     "bin/summary",
     "bin/tile-store",
+    "bin/pairs",
 ];
 /// The passes that go through an order of points that was made beforehand.
 pub(crate) const PRESORTED: [&str; 2] = ["bin/pick", "bin/place"];
@@ -88,9 +93,6 @@ pub(crate) const CLEAR: [&str; 1] = ["image/clear"];
 pub(crate) const TILES: [&str; 3] = ["tiles/count", "tiles/cursors", "tiles/store"];
 /// The passes of prefix sums.
 pub(crate) const SCAN: [&str; 2] = ["scan/reduce", "scan/spread"];
-
-/// Elements that a prefix sum takes in one run, without a level of sums above.
-const SCAN_RUN: u64 = 64;
 
 /// The plan of a frame that an engine explains.
 pub(crate) struct FramePlan<'a> {
@@ -267,11 +269,12 @@ impl FramePlan<'_> {
 
     /// Explains the prefix sums of `elements` elements; none for 0.
     pub fn scan(&mut self, elements: u64, counted: &str) {
-        let levels = if elements > SCAN_RUN { "more" } else { "no more" };
+        let run = Scan::run(self.device);
+        let levels = if elements > run { "more" } else { "no more" };
         self.add(
             "scan/reduce",
-            elements > SCAN_RUN,
-            format!("{counted}: {elements} elements, {levels} than one run takes ({SCAN_RUN})"),
+            elements > run,
+            format!("{counted}: {elements} elements, {levels} than one run takes ({run})"),
         );
         self.add("scan/spread", elements > 0, format!("{counted}: {elements} elements"));
     }
@@ -287,29 +290,50 @@ impl FramePlan<'_> {
             Order::File | Order::Arrival => "in the order of the files",
             Order::Along(_) => "along an axis",
         };
-        let by_digit = format!("keys have {bits} bits, sorted as {digits} digit(s) of {digit} bits");
-        let zero = || "counters start at zero".to_owned();
-        let reasons = [format!("{why}: {visible} splats {by}"), zero(), by_digit.clone(), by_digit];
-        for (name, reason) in ORDER.into_iter().zip(reasons) {
-            self.add(name, true, reason);
-        }
+        self.add("bin/keys", true, format!("{why}: {visible} splats {by}"));
+        self.digits(format!("keys have {bits} bits, sorted as {digits} digit(s) of {digit} bits"));
         self.bins(by);
         counters.max(self.facts.tile_cells)
     }
 
+    /// A sort by digits.
+    fn digits(&mut self, reason: String) {
+        let shared = self.device.info().prefers.shared_work;
+        let cleared = if shared { "workgroups write each counter" } else { "counters start at zero" };
+        self.add("radix/clear", !shared, cleared);
+        self.add("radix/count", true, reason.clone());
+        self.add("radix/scatter", true, reason);
+    }
+
     /// Splats that are in order into their tiles.
     pub fn bins(&mut self, by: &str) {
-        let reasons = [
-            format!("splats are read {by}"),
-            "counters start at zero".to_owned(),
-            format!("{} counters, one for each tile and run of splats", self.facts.tile_cells),
-            "the longest list of a tile decides how often tiles are dispatched".to_owned(),
-            "the total length of the lists decides whether the window fits in memory".to_owned(),
-            "stores the splats of each tile in order".to_owned(),
-        ];
-        for (name, reason) in ORDER[4..].iter().zip(reasons) {
-            self.add(name, true, reason);
+        let pairs = self.device.info().prefers.tile_pairs;
+        let of = if pairs { "tile and one for each splat" } else { "tile and run of splats" };
+        let cells = format!("splats are read {by}; {} counters, one for each {of}", self.facts.tile_cells);
+        let longest = "the longest list of a tile decides how often tiles are dispatched";
+        let total = "the total length of the lists decides whether the window fits in memory";
+        let [store, sort] = if pairs {
+            ["pairs of tile and splat are sorted instead", "the sort of pairs by tile gives the lists of the tiles"]
+        } else {
+            ["stores the splats of each tile in order", "each subgroup stores a run of splats instead"]
+        };
+        self.add("bin/clear", true, "counters start at zero");
+        self.add("bin/tile-count", true, cells);
+        self.add("bin/measure", true, longest);
+        self.add("bin/summary", true, total);
+        self.add("bin/tile-store", !pairs, store);
+        self.add("bin/pairs", pairs, sort);
+    }
+
+    /// Splats in an order that was made beforehand into their tiles.
+    pub fn presorted_bins(&mut self, by: &str) {
+        if self.device.info().prefers.tile_pairs {
+            self.rest(&ORDER[..1], PRESORTED_KEYS);
+            self.digits("pairs of tile and splat are sorted by tile".to_owned());
+        } else {
+            self.rest(&ORDER[..4], PRESORTED_KEYS);
         }
+        self.bins(by);
     }
 
     /// Windows without splats, of an engine that counts those with some as bands.

@@ -76,6 +76,7 @@ impl ListEngine {
             && self.discs.long_lists == LongLists::Merge
             && job.raster.walker == Walker::Compute
             && device.info().subgroup.is_some()
+            && job.raster.cloud.len() <= bin::most_points(device)
             && Stats::area(job.raster.stats) >= visible.max(1) * ORDERED_AREA
             && Bins::least_bytes(device, job) <= job.budget.left(0) / 4
     }

@@ -260,6 +260,10 @@ pub(super) fn disc_bytes(pass: &PassRuns<'_>, discs: &Discs) -> Option<u64> {
 
 /// Returns the number of bytes that a pass must at least move which puts splats into tiles.
 pub(super) fn binned_bytes(pass: &PassRuns<'_>) -> Option<u64> {
+    if pass.cloud.sorts_pairs() && pass.name.starts_with("radix/") {
+        // Records of splats in some runs, in others pairs of tile and splat.
+        return None;
+    }
     least_bytes(pass.name, pass.runs, pass.facts)
 }
 
@@ -278,6 +282,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts) -> Option<u64> {
         // Record and rectangle.
         "bin/tile-count" => Some(facts.visible * (RECORD_BYTES + 8) + facts.tile_entries * 8),
         "bin/tile-store" => Some(facts.visible * (RECORD_BYTES + 8) + facts.tile_entries * (8 + 4)),
+        // Record, rectangle and place.
+        "bin/pairs" => Some(facts.visible * (RECORD_BYTES + 8 + 4) + facts.tile_entries * RECORD_BYTES),
         _ => None,
     }
 }
@@ -297,6 +303,7 @@ mod tests {
         assert_eq!(least_bytes("bin/place", 2, &soft), Some(2 * 10 * 12 + 3 * 8));
         assert_eq!(least_bytes("bin/tile-count", 2, &facts), Some(5 * 16 + 20 * 8));
         assert_eq!(least_bytes("bin/tile-store", 2, &facts), Some(5 * 16 + 20 * 12));
+        assert_eq!(least_bytes("bin/pairs", 2, &facts), Some(5 * 20 + 20 * 8));
         assert_eq!(least_bytes("sorted/blend", 2, &facts), None);
     }
 }

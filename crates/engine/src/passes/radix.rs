@@ -6,7 +6,7 @@
 
 use super::scan::Scan;
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice, Variant};
+use crate::gpu::{Device, Dispatch, Error, Expected, Memory, Preferences, Recorder, Run, Scratch, Slice, Variant};
 use crate::{fields, gpu_struct, pass};
 
 gpu_struct! {
@@ -31,11 +31,18 @@ pass! {
     }
 
     /// Moves each record to its place among those of its digit: one subgroup per run, in order; runs once for each
-    /// digit.
-    pub Scatter(RadixPush) = "radix/scatter" {
+    /// digit. Where nobody asks for keys, the last run moves values alone.
+    pub Scatter(RadixPush) = "radix/scatter" with "moved_records" {
         records: Read<[u32; 2]>,
         cursors: ReadWrite<u32>,
         moved: ReadWrite<[u32; 2]>,
+    }
+
+    /// Moves the value of each record to its place among those of its digit.
+    pub ScatterValues(RadixPush) = "radix/scatter" in "radix/scatter" with "moved_values" {
+        records: Read<[u32; 2]>,
+        cursors: ReadWrite<u32>,
+        moved: ReadWrite<u32>,
     }
 }
 
@@ -81,7 +88,11 @@ pub struct Digits {
 impl Digits {
     /// Divides keys of `bits` bits into as few digits as can be without more counters than records.
     pub fn new(device: &Device, records: u64, bits: u32) -> Self {
-        let cut = runs(device, records);
+        Self::of(device.info().prefers, records, bits)
+    }
+
+    fn of(prefers: Preferences, records: u64, bits: u32) -> Self {
+        let cut = runs(prefers, records);
         let digits = bits.div_ceil(widest(cut, records)).max(1);
         let bits = bits.div_ceil(digits);
         Self { digits, bits, counters: u64::from(cut.runs) << bits }
@@ -91,6 +102,7 @@ impl Digits {
 fields! {
     /// Buffers of a sort, kept from frame to frame.
     pub struct Radix by device {
+        prefers: Preferences = device.info().prefers,
         counts: Scratch<u32> = Scratch::new("digit counts", Memory::Device),
         cursors: Scratch<u32> = Scratch::new("digit cursors", Memory::Device),
         scan: Scan = Scan::new(device, 0)?,
@@ -100,7 +112,7 @@ fields! {
 impl Radix {
     /// Returns the number of device bytes of a sort of so many records, the records themselves not counted.
     pub fn bytes(device: &Device, records: u64) -> u64 {
-        let counters = counters(device, records);
+        let counters = counters(device.info().prefers, records);
         counters * 8 + Scan::bytes(counters)
     }
 
@@ -111,7 +123,7 @@ impl Radix {
 
     /// Makes room for a sort of so many records.
     pub fn reserve(&mut self, device: &Device, records: u64) -> Result<(), Error> {
-        let counters = counters(device, records);
+        let counters = counters(self.prefers, records);
         self.counts.reserve(device, counters)?;
         self.cursors.reserve(device, counters)?;
         self.scan.reserve(device, counters)
@@ -122,29 +134,56 @@ impl Radix {
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        device: &Device,
         buffers: [Slice<'a, [u32; 2]>; 2],
         bits: u32,
         subgroup: u32,
     ) -> Result<usize, Error> {
+        self.record_digits(recorder, buffers, bits, subgroup, None)
+    }
+
+    /// Records the same sort where only the values are asked for, as many as there are records.
+    pub fn record_values<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        buffers: [Slice<'a, [u32; 2]>; 2],
+        bits: u32,
+        subgroup: u32,
+        values: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        assert_eq!(values.len(), buffers[0].len(), "a value for each record");
+        self.record_digits(recorder, buffers, bits, subgroup, Some(values)).map(drop)
+    }
+
+    fn record_digits<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        buffers: [Slice<'a, [u32; 2]>; 2],
+        bits: u32,
+        subgroup: u32,
+        values: Option<Slice<'a, u32>>,
+    ) -> Result<usize, Error> {
         let [mut records, mut moved] = buffers;
-        let Runs { runs, length } = runs(device, records.len());
-        let Digits { digits, bits: digit_bits, counters } = Digits::new(device, records.len(), bits);
+        let Runs { runs, length } = runs(self.prefers, records.len());
+        let Digits { digits, bits: digit_bits, counters } = Digits::of(self.prefers, records.len(), bits);
         for digit in 0..digits {
             let mask = (1 << digit_bits) - 1;
             let push =
                 RadixPush { count: records.len() as u32, runs, run_length: length, shift: digit * digit_bits, mask };
             let (counts, cursors) = (self.counts.get().slice(0, counters), self.cursors.get().slice(0, counters));
-            recorder.fill("radix/clear", counts, 0)?;
             let over = Run::new(Dispatch::Groups(u64::from(runs)));
-            if device.info().prefers.shared_work {
+            if self.prefers.shared_work {
+                // A workgroup writes every counter of its run.
                 recorder.run(&CountGroup { records, counts }, push, &over)?;
             } else {
+                recorder.fill("radix/clear", counts, 0)?;
                 recorder.run(&Count { records, counts }, push, &over)?;
             }
             self.scan.record(recorder, counts, cursors)?;
             let run = Run::new(Dispatch::Groups(u64::from(runs))).variant(scatter_variant(subgroup));
-            recorder.run(&Scatter { records, cursors, moved }, push, &run)?;
+            match values.filter(|_| digit + 1 == digits) {
+                Some(moved) => recorder.run(&ScatterValues { records, cursors, moved }, push, &run)?,
+                None => recorder.run(&Scatter { records, cursors, moved }, push, &run)?,
+            }
             agree(recorder, counts, cursors, push.count)?;
             (records, moved) = (moved, records);
         }
@@ -166,8 +205,8 @@ pub fn agree<'a>(
     recorder.agree("radix/scatter", "digit of a run", cursors.first(inner), next)
 }
 
-fn runs(device: &Device, records: u64) -> Runs {
-    Runs::new(device.info().prefers.concurrent_runs, records, 1024, 1 << 17)
+fn runs(prefers: Preferences, records: u64) -> Runs {
+    Runs::new(prefers.concurrent_runs, records, 1024, 1 << 17)
 }
 
 /// The widest digit whose counters do not outweigh the records.
@@ -175,8 +214,8 @@ fn widest(cut: Runs, records: u64) -> u32 {
     (records / u64::from(cut.runs)).max(1).ilog2().clamp(LEAST_BITS, MOST_BITS)
 }
 
-fn counters(device: &Device, records: u64) -> u64 {
-    let cut = runs(device, records);
+fn counters(prefers: Preferences, records: u64) -> u64 {
+    let cut = runs(prefers, records);
     u64::from(cut.runs) << widest(cut, records)
 }
 
@@ -191,5 +230,6 @@ pub fn shaders() -> Vec<Shader> {
         Shader::plain::<Count>(),
         Shader::plain::<CountGroup>(),
         Shader::new::<Scatter>(SUBGROUPS.map(scatter_variant)),
+        Shader::new::<ScatterValues>(SUBGROUPS.map(scatter_variant)),
     ]
 }

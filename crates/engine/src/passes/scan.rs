@@ -87,6 +87,11 @@ impl Scan {
         Ok(())
     }
 
+    /// Returns the elements that a scan takes in one run, without a level of sums above.
+    pub(crate) fn run(device: &Device) -> u64 {
+        run(device.info().prefers.shared_work)
+    }
+
     /// Returns the number of device bytes that a scan of `capacity` elements needs at most.
     pub fn bytes(capacity: u64) -> u64 {
         capacity.div_ceil(SCAN_RUN) * 8 * 2

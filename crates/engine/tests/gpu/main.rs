@@ -43,5 +43,6 @@ mod stochastic;
 mod stochastic_hardware;
 mod stored;
 mod supplied;
+mod tile_pairs;
 mod together;
 mod waits;

@@ -15,9 +15,40 @@ fn sorted(device: &Device, keys: &[u32], bits: u32) -> Vec<[u32; 2]> {
     radix.reserve(device, n).expect("fits");
     let subgroup = device.info().subgroup.expect("a device with subgroups of 8 to 32");
     let mut recorder = device.recorder().expect("a recorder");
-    let result = radix.record(&mut recorder, device, [from.all(), to.all()], bits, subgroup).expect("recorded");
+    let result = radix.record(&mut recorder, [from.all(), to.all()], bits, subgroup).expect("recorded");
     recorder.submit("radix").expect("submitted");
     [from, to][result].read(0, n).expect("read")
+}
+
+/// The values alone, in the order of the lowest bits of their keys.
+fn sorted_values(device: &Device, keys: &[u32], bits: u32) -> Vec<u32> {
+    let records: Vec<[u32; 2]> = keys.iter().zip(0..).map(|(key, i)| [*key, i]).collect();
+    let n = records.len() as u64;
+    let from = device.upload("records", &records).expect("fits");
+    let to = device.buffer("moved", n, Memory::Device).expect("fits");
+    let values = device.buffer("values", n, Memory::Device).expect("fits");
+    let mut radix = Radix::new(device).expect("fits");
+    radix.reserve(device, n).expect("fits");
+    let subgroup = device.info().subgroup.expect("a device with subgroups of 8 to 32");
+    let mut recorder = device.recorder().expect("a recorder");
+    radix.record_values(&mut recorder, [from.all(), to.all()], bits, subgroup, values.all()).expect("recorded");
+    recorder.submit("radix").expect("submitted");
+    values.read(0, n).expect("read")
+}
+
+#[test]
+fn values_alone_are_those_of_the_sorted_records() {
+    for prefers in [Preferences::CPU, Preferences::GPU] {
+        with_device_that_prefers(prefers, |device| {
+            let mut r = random(12);
+            for (n, bits) in [(1usize, 1), (1000, 8), (5000, 13), (70_000, 20)] {
+                let keys: Vec<u32> = (0..n).map(|_| r.random::<u32>() & (u32::MAX >> (32 - bits))).collect();
+                let mut wanted: Vec<u32> = (0..n as u32).collect();
+                wanted.sort_by_key(|i| keys[*i as usize]);
+                assert!(sorted_values(device, &keys, bits) == wanted, "{n} records of {bits} bits, {prefers:?}");
+            }
+        });
+    }
 }
 
 #[test]

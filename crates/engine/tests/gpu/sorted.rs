@@ -1,6 +1,8 @@
 //! `sorted`: images against its float64 reference, and against `abuffer`, to the byte where both are exact; how far it
 //! is off where discs cross; what it leaves out at the back; how windows are cut.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use pellucid_core::camera::Camera;
 use pellucid_core::camera::Projection::{Orthographic, Perspective};
@@ -11,6 +13,7 @@ use pellucid_engine::methods::{Error, Frame, Renderer, Stop};
 use pellucid_gpu::Device;
 use pellucid_reference as reference;
 use pellucid_reference::View;
+use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -437,6 +440,28 @@ fn small_bindings_change_no_byte() {
             "records of 8 bytes: {:?}",
             found.map(|f| f.facts)
         );
+    });
+}
+
+#[test]
+fn more_points_than_a_binding_has_records_for_are_sorted_window_by_window() {
+    // 300,000 points, of which a binding of 2 MiB holds 2^18 = 262,144 records of 8 bytes, and four hold all columns.
+    let points = Arc::new(scene(&soup(26, 300_000, 0.0..0.005, 0.1..0.9, false)));
+    let arranged = Arranged::Canonical(Arc::clone(&points));
+    let by = |method| frame(perspective(), [64, 64], method);
+    let methods = [flat(), Method::ABuffer(Discs::default()), Method::Weighted(Discs::default())];
+    let mut wanted = None;
+    with_device(|device| wanted = Some(methods.map(|method| bits(&render(device, &points, &by(method))))));
+    with_device_that_binds(Some(2 << 20), |device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&arranged).expect("fits");
+        // Lists are made of all points at once before and after.
+        for (number, divided) in [(1, false), (0, true), (2, true), (1, false), (0, true)] {
+            let found = renderer.render(&mut cloud, &by(methods[number])).expect("renders");
+            assert!(wanted.as_ref().is_none_or(|wanted| bits(&found.image) == wanted[number]), "{number}: other bytes");
+            assert_eq!((cloud.supply().is_some(), found.facts.windows > 1), (divided, divided), "{number}");
+            assert!(cloud.len() <= if divided { 262_144 } else { 300_000 }, "{number}: {}", cloud.len());
+        }
     });
 }
 

@@ -83,7 +83,7 @@ fn sorted(stage: &CaseRenderer, records: &[[u32; 2]], bits: u32) -> Result<Vec<[
     let mut radix = Radix::new(device)?;
     radix.reserve(device, n)?;
     let mut recorder = device.recorder()?;
-    let place = radix.record(&mut recorder, device, [from.all(), to.all()], bits, subgroup)?;
+    let place = radix.record(&mut recorder, [from.all(), to.all()], bits, subgroup)?;
     recorder.submit("radix")?;
     Ok([from, to][place].read(0, n)?)
 }

@@ -368,6 +368,7 @@ impl Renderer {
         survey: bool,
     ) -> Result<(), Error> {
         self.progress.check()?;
+        self.divide(engine, cloud, frame)?;
         self.cut(cloud, frame)?;
         if cloud.supply().is_none() {
             return engine.place(&self.device, cloud, frame, survey);

@@ -1,5 +1,7 @@
 //! Clouds whose points come to the device window by window.
 
+use std::sync::Arc;
+
 use super::walk::Job;
 use super::{Error, Renderer};
 use crate::cloud::shadow_texture::Casting;
@@ -7,7 +9,7 @@ use crate::methods::prelude::*;
 use crate::methods::shadows;
 use crate::passes::project::{Beam, CutFor, Present};
 use crate::passes::tiles::TILE;
-use crate::supply::Limits;
+use crate::supply::{HeldPoints, Limits};
 
 /// The part of a memory budget that is for points; the rest is the engine's.
 const PART: u64 = 2;
@@ -28,10 +30,10 @@ pub(super) fn rest(device: &Device, frame: &Frame) -> u64 {
     bytes - bytes / PART
 }
 
-/// Points that are on the device at a time, at most.
-fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame) -> u64 {
+/// Points that are on the device at a time, at most: never more than `most`.
+fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame, most: u64) -> u64 {
     let bytes = cloud.point_bytes(Footprint::Oriented) + SORT_BYTES;
-    (all_bytes(device, frame) / PART / bytes).min(Cut::most(device)).max(1)
+    (all_bytes(device, frame) / PART / bytes).min(most).max(1)
 }
 
 /// Returns the part of space that a window of all images of a frame shows.
@@ -52,7 +54,26 @@ impl Renderer {
 
     /// Returns the number of points of a cloud that comes window by window that are on the device at a time, at most.
     pub fn room(&self, cloud: &DeviceCloud, frame: &Frame) -> u64 {
-        room(&self.device, cloud, frame)
+        room(&self.device, cloud, frame, engine_of(&frame.method).most_points(&self.device))
+    }
+
+    /// Lets points of a cloud in memory that a method can't take all at once come window by window; and brings all of
+    /// them back for another method that can.
+    pub(super) fn divide(&self, engine: &dyn Engine, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(), Error> {
+        let Some(points) = cloud.held() else { return Ok(()) };
+        let too_many = points.len() as u64 > engine.most_points(&self.device);
+        let is_divided = cloud.supply().is_some();
+        if too_many == is_divided || !frame.detail.is_whole() {
+            return Ok(());
+        }
+        // In both cases what is on the device is freed first.
+        let supply = Arc::new(HeldPoints::new(Arc::clone(&points)));
+        *cloud = DeviceCloud::of_supply(&self.device, &points, supply)?;
+        if is_divided {
+            *cloud = DeviceCloud::new(&self.device, &points)?;
+        }
+        cloud.hold(points);
+        Ok(())
     }
 
     /// Has the points drawn that a frame's detail asks for, of clouds whose points come some at a time.
@@ -76,7 +97,8 @@ impl Renderer {
         timeline: &mut Timeline,
     ) -> Result<Outcome, Error> {
         let Some(supply) = cloud.supply() else { return Ok(Outcome::Done) };
-        let (frame, blocks, room) = (job.frame, supply.blocks(), room(&self.device, cloud, job.frame));
+        let most = job.engine.most_points(&self.device);
+        let (frame, blocks, room) = (job.frame, supply.blocks(), room(&self.device, cloud, job.frame, most));
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
         let beam = beam(job.engine, cloud, frame, window);
         let wanted = Present { within: Some(beam) };
@@ -98,7 +120,7 @@ impl Renderer {
         let (alone, is_tile) = (x1 - x == 1 && y1 - y == 1, x1 - x <= TILE && y1 - y <= TILE);
         // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long
         // as the device can hold them, a tile's points come together.
-        let room = if is_tile { Cut::most(&self.device) } else { room.min(supply.most()) };
+        let room = if is_tile { most } else { room.min(supply.most()) };
         let points = count(&picked);
         // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are.
         // However many points the nodes have besides, halves of the window would read most of them twice.
@@ -133,7 +155,7 @@ impl Renderer {
         timeline: &mut Timeline,
     ) -> Result<(), Error> {
         let how = frame.projecting_points(cloud);
-        let limits = (rest(&self.device, frame) / PART, room(&self.device, cloud, frame));
+        let limits = (rest(&self.device, frame) / PART, room(&self.device, cloud, frame, Cut::most(&self.device)));
         shadows::see(&self.device, cloud, (casting, &how), limits, &self.progress, timeline)
     }
 

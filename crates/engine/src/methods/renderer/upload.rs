@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Error, Renderer};
 use crate::cloud::shadow_texture::ShadowTexture;
+use crate::passes::bin;
 use crate::passes::compose::Cut;
 use crate::passes::project::DeviceCloud;
 use crate::points::Points;
@@ -29,7 +30,8 @@ pub struct Upload<'a> {
 pub enum PointSource<'a> {
     /// Points that the device holds all at once, whatever their order.
     Whole(&'a Points),
-    /// Arranged points. Those in canonical order come window by window if they are more than the device can address.
+    /// Arranged points. Those in canonical order come window by window if they are more than the device can address, or
+    /// than a method can sort.
     /// Dealt ones are for `spbr` and `spbr-simplified`, but any method may render them. They go to the device with the
     /// first frame, or through it while a frame of these methods is rendered, if they don't fit
     /// [`Frame::memory_budget`](crate::methods::Frame::memory_budget). Lists in memory stay there.
@@ -75,6 +77,9 @@ impl Renderer {
                 Arranged::Canonical(points) => {
                     let mut cloud = DeviceCloud::new(device, points)?;
                     shadows.map_or(Ok(()), |texture| cloud.put_lit(device, arranged, texture))?;
+                    if points.len() as u64 > bin::most_points(device) {
+                        cloud.hold(Arc::clone(points));
+                    }
                     cloud
                 }
                 Arranged::Dealt(dealt) => {

@@ -139,6 +139,10 @@ impl Solids {
 }
 
 impl Engine for SpheresEngine {
+    fn sorts(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES.max(bin::PIXEL_BYTES) + pixel_bytes(self.interior, true)))
     }
@@ -235,6 +239,10 @@ impl ExpressEngine {
 }
 
 impl Engine for ExpressEngine {
+    fn sorts(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES.max(bin::PIXEL_BYTES) + Layer::PIXEL_BYTES))
     }

@@ -111,11 +111,10 @@ pub(super) fn discs(plan: &mut FramePlan<'_>, threshold: f32) {
     let by = format!("along {}{}", if backward { '-' } else { '+' }, ['x', 'y', 'z'][index]);
     let seen = facts.soft_visible > 0;
     if seen {
-        plan.rest(&ORDER[..4], "points are already sorted along each axis");
         plan.add("bin/pick", true, format!("{} soft points are drawn, in their order {by}", facts.soft_visible));
         plan.add("bin/place", true, "fetches and bins only the points that are drawn");
         if facts.splatted == 0 {
-            plan.bins(&by);
+            plan.presorted_bins(&by);
         }
         counters = counters.max(facts.tile_cells).max(bin::order_runs(plan.device, facts.points).runs.into());
     }

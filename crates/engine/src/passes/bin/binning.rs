@@ -1,7 +1,7 @@
 //! Binning of the splats of a window: its tiles, and the runs of splats that subgroups take.
 
 use super::passes::{TilePush, TileWalk};
-use super::{Job, Lanes, RECORD_BYTES, SEGMENT, order_bytes, region_segment};
+use super::{Job, Lanes, PAIR_BYTES, RECORD_BYTES, SEGMENT, order_bytes, region_segment};
 use crate::gpu::{Device, Dispatch};
 use crate::passes::Error;
 use crate::passes::bands::{Budget, Window};
@@ -47,6 +47,8 @@ pub(super) struct Binning {
     /// Most columns and rows of tiles that a splat meets.
     met_tiles: [u32; 2],
     pub(super) lanes: Lanes,
+    /// `true` if pairs of tile and splat are sorted: there is one run then.
+    pub(super) pairs: bool,
 }
 
 impl Binning {
@@ -56,8 +58,17 @@ impl Binning {
         let Raster { stats, window, .. } = job.raster;
         let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
         let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
-        let binning = || Self::new(device.info().prefers.concurrent_runs, window, drawn, Stats::extent(stats), lanes);
+        let prefers = device.info().prefers;
+        let binning = || {
+            let binning = Self::new(prefers.concurrent_runs, window, drawn, Stats::extent(stats), lanes);
+            if prefers.tile_pairs { binning.by_pairs() } else { binning }
+        };
         Ok((drawn > 0).then(|| Self { cut, ..binning() }))
+    }
+
+    /// Returns the binning by sorted pairs of tile and splat.
+    fn by_pairs(self) -> Self {
+        Self { runs: Runs { runs: 1, length: self.drawn as u32 }, pairs: true, ..self }
     }
 
     /// Plans the binning of `drawn` splats, each over at most `extent` columns and rows of pixels.
@@ -75,16 +86,27 @@ impl Binning {
         // Each run has a counter of each tile: more of them than a few for each splat would cost more than they help.
         let affordable = COUNTERS_PER_SPLAT * drawn / (u64::from(columns) * u64::from(rows)).max(1);
         let runs = Runs::new(concurrent.min(affordable.max(LEAST_RUNS)), drawn, SHORTEST_RUN.min(longest), longest);
-        Self { drawn, cut: Cut::WHOLE, runs, columns, rows, block, met_tiles, lanes }
+        Self { drawn, cut: Cut::WHOLE, runs, columns, rows, block, met_tiles, lanes, pairs: false }
     }
 
     pub(super) fn tiles(&self) -> u64 {
         u64::from(self.columns) * u64::from(self.rows)
     }
 
-    /// Counters: one for each tile and run, and one more, whose prefix sum is the total.
+    /// Counters: one for each tile and run, and one more, whose prefix sum is the total. Where pairs are sorted, those
+    /// of the splats lie behind them.
     pub(super) fn cells(&self) -> u64 {
-        self.tiles() * u64::from(self.runs.runs) + 1
+        self.total() + 1 + if self.pairs { self.drawn } else { 0 }
+    }
+
+    /// Place of the total number of entries among the prefix sums of the counters.
+    pub(super) fn total(&self) -> u64 {
+        self.tiles() * u64::from(self.runs.runs)
+    }
+
+    /// Bits of a tile's number. What is no pair has all of them, and comes last in the order of the pairs before.
+    pub(super) fn tile_bits(&self) -> u32 {
+        (u32::BITS - (self.tiles() as u32 - 1).leading_zeros()).max(1)
     }
 
     pub(super) fn push(&self) -> TilePush {
@@ -106,19 +128,19 @@ impl Binning {
         u64::from(self.runs.runs) * u64::from(blocks)
     }
 
-    /// Returns bytes left for the tiles' entries; `None` if the window must be cut.
+    /// Returns how many entries of the tiles there is room for; `None` if the window must be cut.
     pub(super) fn left(&self, device: &Device, job: &Job<'_>) -> Result<Option<u64>, Error> {
         let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
-        // Stages that go through tiles region by region keep a bit for each region of a block beside the index.
-        let index_bits = INDEX_BITS.min(32 - BLOCK_SIDE.pow(2) / self.lanes.subgroup);
-        let most = (binding / RECORD_BYTES).min(1 << index_bits);
+        let most = self.lanes.most_points(device);
         if points > most {
             return Err(Error::TooManyPoints { points, limit: most });
         }
         let splats = |drawn: u64| order_bytes(device, job.order, points, drawn);
         let table = |cells: u64| cells * 8 + Scan::bytes(cells);
+        let [entry, bound] = if self.pairs { [PAIR_BYTES, RECORD_BYTES] } else { [4, 4] };
         // However small the window, there is a tile with all of its splats.
-        let least = |drawn: u64| splats(drawn) + table(drawn / LEAST_RUN + 2) + drawn * 4;
+        let cells = |drawn: u64| if self.pairs { drawn } else { drawn / LEAST_RUN };
+        let least = |drawn: u64| splats(drawn) + table(cells(drawn) + 2) + drawn * entry;
         let available = job.budget.left(job.counted_bytes);
         if least(self.drawn) > available {
             // A larger budget makes larger windows, with up to all splats in each.
@@ -130,7 +152,7 @@ impl Binning {
         // `bin/tile-count` visits the tiles of a splat one by one.
         let met = u64::from(self.met_tiles[0]) * u64::from(self.met_tiles[1]);
         let fits = cells * 4 <= binding && met <= MOST_ITERATIONS;
-        Ok((fits && used <= available).then(|| (available - used).min(binding)))
+        Ok((fits && used <= available).then(|| ((available - used) / entry).min(binding / bound)))
     }
 }
 
@@ -142,6 +164,8 @@ pub struct Binned {
     pub(super) records: usize,
     /// Splats of the tile with most of them, at most.
     pub(super) longest: u32,
+    /// Entries of all tiles, at most.
+    pub(super) entries: u32,
     /// Place of the counts: overflow, pairs of splat and tile, splats of the tile with most of them.
     pub(super) counts: AnswerPlace,
 }
@@ -153,7 +177,7 @@ impl Binned {
             columns: self.binning.columns,
             first_tile: 0,
             tiles: self.tiles(),
-            runs: self.binning.runs.runs,
+            runs: if self.binning.pairs { 0 } else { self.binning.runs.runs },
             segment,
             segments,
         }
@@ -174,7 +198,7 @@ impl Binned {
         Dispatch::Groups(self.lanes().groups(self.binning.tiles() * u64::from(BLOCKS)))
     }
 
-    /// Counters of the tiles' splats by run.
+    /// Counters of the tiles' splats by run; where pairs are sorted, of tiles and of splats.
     pub fn cells(&self) -> u64 {
         self.binning.cells()
     }
@@ -319,6 +343,23 @@ mod tests {
             assert!((0..TILE_SIDE).all(|first| tiles(first) <= met), "{extent}");
             assert!((0..TILE_SIDE).any(|first| tiles(first) + 1 >= met), "{extent}: at most one too many");
         }
+    }
+
+    #[test]
+    fn where_pairs_are_sorted_each_tile_and_each_splat_has_a_counter() {
+        for (_, binning) in all_binnings() {
+            let (tiles, pairs) = (binning.tiles(), binning.by_pairs());
+            assert_eq!((pairs.cells(), pairs.total()), (tiles + 1 + binning.drawn, tiles), "{pairs:?}");
+            // One run: `bin/tile-count` and `bin/measure` then count tiles.
+            assert_eq!((pairs.push().runs, u64::from(pairs.push().run_length)), (1, binning.drawn));
+        }
+    }
+
+    #[test]
+    fn tile_numbers_have_as_few_bits_as_tell_them_apart() {
+        let bits =
+            |side: u32| Binning::new(32, [0, 0, side, 16], 1, [1; 2], Lanes { subgroup: 8, team: 1 }).tile_bits();
+        assert_eq!([1, 16, 17, 32, 33, 64, 65, 4096, 4097].map(bits), [1, 1, 1, 1, 2, 2, 3, 8, 9]);
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub use sort::{order_runs, sort_bytes};
 use self::binning::{BLOCK_SIDE, Binning, INDEX_BITS, TILE_SIDE};
 use self::keys::{ORDER_DEPTH, ORDER_FILE, ORDER_INDEX, keys_variant};
 use self::sort::{order_bytes, presorted_variant};
-use self::tile_lists::store_variant;
+use self::tile_lists::{count_variant, store_variant};
 use super::Error;
 use super::bands::Budget;
 use super::compose::Composing;
@@ -58,6 +58,9 @@ pub enum Order {
 pub const PIXEL_BYTES: u64 = 4;
 /// Bytes of a record of the sort: key and index.
 pub const RECORD_BYTES: u64 = 8;
+/// Bytes of an entry of a tile where pairs are sorted: itself, two records, and at most a counter of a digit with its
+/// cursor and prefix sums ([`Radix::bytes`]).
+const PAIR_BYTES: u64 = 4 + 2 * RECORD_BYTES + 8 + 1;
 
 /// The splats of a window to bin.
 #[derive(Clone, Copy)]
@@ -85,6 +88,8 @@ fields! {
         scan: Scan = Scan::new(device, 0)?,
         longest: Buffer<u32> = device.buffer("longest tile list", 1, Memory::Device)?,
         entries: Scratch<u32> = Scratch::new("ordered tile entries", Memory::Device),
+        pairs: [Scratch<[u32; 2]>; 2] =
+            ["tile pairs", "tile pairs, moved"].map(|name| Scratch::new(name, Memory::Device)),
     }
 }
 
@@ -106,7 +111,7 @@ pub enum BinSurvey {
     Nothing,
     /// The tiles take too much memory: the window must be cut.
     TooLarge,
-    /// The window would be binned, with this many counters of the tiles' splats by run.
+    /// The window would be binned, with this many counters of the tiles' splats.
     Cells(u64),
 }
 
@@ -126,7 +131,11 @@ impl Bins {
         cloud: &'a DeviceCloud,
         binned: Binned,
     ) -> Result<OrderedTiles<'a>, Error> {
-        self.record_tile_store(recorder, cloud, &binned)?;
+        if binned.binning.pairs {
+            self.record_pairs(recorder, cloud, &binned)?;
+        } else {
+            self.record_tile_store(recorder, cloud, &binned)?;
+        }
         Ok(self.tiles(cloud, binned))
     }
 
@@ -149,25 +158,32 @@ impl Bins {
                 }
                 self.record_pick(&mut recorder, device, job, axis, binning.lanes.subgroup)?
             }
-            _ => self.record_sort(&mut recorder, device, job, binning.lanes.subgroup)?,
+            _ => self.record_sort(&mut recorder, job, binning.lanes.subgroup)?,
         };
         self.record_tile_count(&mut recorder, job, &binning, last)?;
-        let total = self.cursors.get().slice(binning.cells() - 1, 1);
+        let total = self.cursors.get().slice(binning.total(), 1);
         let counts = [self.scan.overflow.all(), total, self.longest.all()];
         let answer = timeline.ask(device, recorder, ("bin/summary", "bin/sort and count"), &counts)?;
         let [overflow, entries, longest] = [answer.words[0], answer.words[1], answer.words[2]];
-        if overflow != 0 || u64::from(entries) * 4 > left {
+        if overflow != 0 || u64::from(entries) > left {
             return Ok(None);
         }
-        self.entries.reserve_within(device, u64::from(entries).max(1), left / 4)?;
-        Ok(Some(Binned { binning, records: last, longest, counts: answer.place }))
+        let entries = entries.max(1);
+        self.entries.reserve_within(device, entries.into(), left)?;
+        if binning.pairs {
+            for pairs in &mut self.pairs {
+                pairs.reserve_within(device, entries.into(), left)?;
+            }
+            self.radix.reserve(device, entries.into())?;
+        }
+        Ok(Some(Binned { binning, records: last, longest, entries, counts: answer.place }))
     }
 
     /// Returns a binned window's tiles, for stages behind [`Self::record_tiles`].
     pub fn tiles<'a>(&'a self, cloud: &'a DeviceCloud, binned: Binned) -> OrderedTiles<'a> {
         let tiled = Tiled {
             splats: Composing::new(cloud, binned.cut()),
-            ends: self.cursors.get().slice(0, binned.cells()),
+            ends: self.cursors.get().slice(0, binned.binning.total() + 1),
             entries: self.entries.get().all(),
             bounds: cloud.bounds.all(),
         };
@@ -187,7 +203,7 @@ impl Bins {
 
     /// Returns the number of device bytes of the buffers that hold a binned window.
     pub fn bytes(&self) -> u64 {
-        let records: u64 = self.records.iter().map(|r| r.bytes()).sum();
+        let records: u64 = self.records.iter().chain(&self.pairs).map(Scratch::bytes).sum();
         let tiles = self.counts.bytes() + self.cursors.bytes() + self.entries.bytes();
         records + tiles + self.scan.kept_bytes() + self.radix.kept_bytes()
     }
@@ -235,8 +251,9 @@ pub fn shaders() -> Vec<Shader> {
         Shader::new::<Keys>([Order::Depth, Order::Index, Order::File, Order::Arrival].map(keys_variant)),
         Shader::new::<Pick>(presorted()),
         Shader::new::<Place>(presorted()),
-        Shader::plain::<TileCount>(),
+        Shader::new::<TileCount>([false, true].map(count_variant)),
         Shader::plain::<Measure>(),
+        Shader::plain::<Pairs>(),
         Shader::new::<TileStore>(SUBGROUPS.map(store_variant)),
     ]
 }
@@ -302,10 +319,23 @@ impl Lanes {
         Ok(Self { subgroup, team: if info.prefers.shared_work && fits { TEAM } else { 1 } })
     }
 
+    /// Returns the number of points whose splats can be sorted at once.
+    fn most_points(self, device: &Device) -> u64 {
+        // Stages that go through tiles region by region keep a bit for each region of a block beside the index.
+        let index_bits = INDEX_BITS.min(32 - BLOCK_SIDE.pow(2) / self.subgroup);
+        (device.limits().binding_bytes / RECORD_BYTES).min(1 << index_bits)
+    }
+
     /// Returns the number of workgroups of so many subgroups.
     fn groups(self, subgroups: u64) -> u64 {
         subgroups.div_ceil(self.team.into())
     }
+}
+
+/// Returns the number of points whose splats a device can sort at once: what reaches them by index binds their records
+/// as a whole. Without subgroups nothing is sorted, and there is no limit.
+pub fn most_points(device: &Device) -> u64 {
+    Lanes::of(device).map_or(u64::MAX, |lanes| lanes.most_points(device))
 }
 
 /// Bytes of a workgroup's memory that stages take which go through tiles region by region.

@@ -85,7 +85,7 @@ pass! {
     }
 
     /// Counts the splats of each run in each tile: one increment for each drawn splat and tile that its rectangle
-    /// meets.
+    /// meets. Where pairs of tile and splat are sorted, it counts those of each tile, and the tiles of each splat.
     pub TileCount(TilePush) = "bin/tile-count" in "bin/tile_count" {
         view: Uniform<View>,
         records: Read<[u32; 2]>,
@@ -102,6 +102,16 @@ pass! {
         entries: ReadWrite<u32>,
     }
 
+    /// Writes a pair of tile and entry for each drawn splat and tile that its rectangle meets, in the order of splats.
+    /// Sorted by tile they are the lists of the tiles, where the device prefers that to `bin/tile-store`.
+    pub Pairs(TilePush) = "bin/pairs" {
+        view: Uniform<View>,
+        records: Read<[u32; 2]>,
+        bounds: Read<Bounds>,
+        offsets: Read<u32>,
+        pairs: ReadWrite<[u32; 2]>,
+    }
+
     /// Finds the longest list of a tile.
     pub Measure(MeasurePush) = "bin/measure" {
         starts: Read<u32>,
@@ -114,7 +124,7 @@ group! {
     pub Tiled as TiledGroup {
         /// The splats, reached by their indices.
         splats: Shared<ComposingGroup>,
-        /// End of each cell's entries.
+        /// End of each cell's entries; or where each tile's begin.
         ends: Read<u32>,
         /// Indices of the tiles' splats.
         entries: Read<u32>,

@@ -15,7 +15,6 @@ impl Bins {
     pub(super) fn record_sort<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        device: &Device,
         job: &Job<'a>,
         subgroup: u32,
     ) -> Result<usize, Error> {
@@ -32,7 +31,7 @@ impl Bins {
             let run = Run::new(Dispatch::Invocations(count)).variant(keys_variant(job.order));
             recorder.run(&Keys { splat_depths, bounds, points, records: records[0] }, push, &run)?;
         }
-        Ok(self.radix.record(recorder, device, records, bits, subgroup)?)
+        Ok(self.radix.record(recorder, records, bits, subgroup)?)
     }
 
     /// Records the passes that pick the drawn splats from the cloud's order along an axis; returns the index of their

@@ -79,6 +79,8 @@ pub struct DeviceCloud {
     host: Option<List>,
     /// Source of the points, if they come some at a time.
     supplied: Option<Supplied>,
+    /// The points, of a cloud in memory that some methods can't take all at once.
+    held: Option<Arc<Points>>,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
@@ -119,6 +121,21 @@ impl DeviceCloud {
         let mut cloud = Self::without_columns(device, points)?;
         cloud.upload_columns(device, points)?;
         Ok(cloud)
+    }
+
+    /// Returns `true` if the device prefers to sort pairs of tile and splat.
+    pub(crate) fn sorts_pairs(&self) -> bool {
+        self.prefers.tile_pairs
+    }
+
+    /// Keeps the points that it was made from, to be made again from them in another way.
+    pub(crate) fn hold(&mut self, points: Arc<Points>) {
+        self.held = Some(points);
+    }
+
+    /// Returns the points that it was made from, if it keeps them.
+    pub(crate) fn held(&self) -> Option<Arc<Points>> {
+        self.held.clone()
     }
 
     /// Makes room for splats, unless there is.
@@ -197,6 +214,7 @@ impl DeviceCloud {
             light_images: None,
             host: None,
             supplied: None,
+            held: None,
             points_hi: empty(device, "points, hi")?,
             points_lo: empty(device, "points, lo")?,
             point_colors: empty(device, "point colors")?,
