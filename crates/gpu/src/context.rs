@@ -46,6 +46,8 @@ pub struct Context {
     pub conditional: Option<ext::conditional_rendering::Device>,
     /// Pipelines of earlier runs.
     pub pipeline_cache: vk::PipelineCache,
+    /// `true` if shaders keep their names and their source.
+    pub debug_shaders: bool,
     /// There if the driver keeps what it finds out about pipelines.
     pub executables: Option<khr::pipeline_executable_properties::Device>,
     /// Instance that the device belongs to.
@@ -139,6 +141,7 @@ impl Context {
             limits,
             debug,
             conditional,
+            debug_shaders: options.debug_shaders,
             pipeline_cache,
             executables,
             instance,
@@ -192,8 +195,9 @@ impl Context {
         allocated.ok_or_else(|| self.out_of_memory(name, bytes))
     }
 
-    /// Takes note of an allocation.
+    /// Takes note of the allocation of a buffer or an image, and names this.
     pub fn note_allocation(&self, key: (vk::ObjectType, u64), name: &str, bytes: u64) {
+        self.name_handle(key, name);
         lock(&self.live).insert(key, (name.to_owned(), bytes));
     }
 
@@ -225,7 +229,11 @@ impl Context {
             let pool = self.device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
             let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
             match self.device.allocate_command_buffers(&info) {
-                Ok(buffers) => Ok(Commands { pool, buffer: buffers[0] }),
+                Ok(buffers) => {
+                    self.name_object(pool, "recordings");
+                    self.name_object(buffers[0], "recording");
+                    Ok(Commands { pool, buffer: buffers[0] })
+                }
                 Err(result) => {
                     self.device.destroy_command_pool(pool, None);
                     Err(Error::call("vkAllocateCommandBuffers")(result))
@@ -267,6 +275,7 @@ impl Context {
         }
         let begin = Instant::now();
         let pipeline = Arc::new(build()?);
+        self.name_pipeline(&pipeline);
         lock(&self.compilations).push(Compilation { begin, time: begin.elapsed() });
         lock(&self.pipelines).insert(key, pipeline.clone());
         Ok(pipeline)

@@ -21,6 +21,7 @@ mod image;
 mod instance;
 pub mod layout;
 mod limits;
+mod names;
 mod pass;
 mod paused;
 mod pipeline;
