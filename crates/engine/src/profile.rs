@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::gpu::{self, Compilation, Device, Memory};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
+use crate::pipelines::Pipelines;
 use crate::progress::{Phase, Span};
 
 /// Frames of one scene on one device.
@@ -43,6 +44,8 @@ pub struct Profile {
     pub host: Vec<Span>,
     /// The frames.
     pub frames: Vec<FrameProfile>,
+    /// Facts of the driver's compiler about the pipelines.
+    pub pipelines: Pipelines,
 }
 
 impl Profile {
@@ -64,6 +67,7 @@ impl Profile {
             clouds: Vec::new(),
             host: Vec::new(),
             frames: Vec::new(),
+            pipelines: Pipelines::default(),
         }
     }
 
@@ -121,6 +125,9 @@ impl Profile {
         });
         if let Some(adjusted) = &self.facts.adjusted {
             whole["ensembles"] = adjusted.to_json(&self.clouds);
+        }
+        if let Some(pipelines) = self.pipelines.to_json() {
+            whole["pipelines"] = pipelines;
         }
         whole
     }

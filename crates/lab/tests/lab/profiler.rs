@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use pellucid_core::progress::{Phase, Span};
 use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
+use pellucid_engine::pipelines::{PipelineFacts, Pipelines};
 use pellucid_engine::profile::{Profile, copy_rate, histogram};
-use pellucid_gpu::PassTime;
+use pellucid_gpu::{Executable, PassTime};
 use pellucid_scene::stored::Reads;
 use pellucid_scene::{Discs, Method};
 use pellucid_testing::{frame, perspective, scene, soup, with_device};
@@ -48,6 +49,7 @@ fn by_hand() -> Profile {
         ],
         list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
         clouds: Vec::new(),
+        pipelines: Pipelines::Unasked,
         frames: vec![
             FrameProfile {
                 passes: vec![pass("x/a", 1, None, None), pass("x/b", 5, Some(128), Some(1 << 20))],
@@ -169,6 +171,29 @@ fn the_table_has_least_median_and_greatest_times_and_rates() {
         assert!(table.contains(part), "{part:?} in {table}");
     }
     assert!(!pellucid_lab::profile_table(&by_hand(), None).contains("copy rate of this device"));
+}
+
+#[test]
+fn the_table_has_what_the_compiler_says_if_it_was_asked() {
+    let last_columns = |profile: &Profile| {
+        let table = pellucid_lab::profile_table(profile, Some(0.5e9));
+        let row = table.lines().find(|line| line.trim_start().starts_with("x/b")).expect("a row");
+        let columns = row.split_whitespace().skip(9).map(str::to_owned).collect::<Vec<_>>();
+        (table.contains("registers"), columns, table.contains("a device doesn't tell"))
+    };
+    let mut profile = by_hand();
+    assert_eq!(last_columns(&profile), (false, vec![], false), "nobody asked");
+    profile.pipelines = Pipelines::Untold;
+    assert_eq!(last_columns(&profile), (false, vec![], true));
+    assert_eq!(profile.to_json()["pipelines"], json!(null));
+    let statistics = [("VGPRs", 48.0), ("Spilled VGPRs", 3.0), ("LDS size", 1024.0), ("Code size", 2560.0)];
+    let statistics = statistics.map(|(name, value)| (name.to_owned(), value)).to_vec();
+    let executables = vec![Executable { name: "compute".into(), subgroup: 64, statistics }];
+    profile.pipelines = Pipelines::Told(vec![PipelineFacts { pass: "x/b", title: "x/b (A=1)".into(), executables }]);
+    // 2560 bytes are 2.5 KiB.
+    let wanted = ["48", "3", "1024", "2.5"].map(str::to_owned).to_vec();
+    assert_eq!(last_columns(&profile), (true, wanted, false));
+    assert_eq!(profile.to_json()["pipelines"][0]["code_bytes"], 2560.0);
 }
 
 #[test]
