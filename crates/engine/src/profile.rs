@@ -297,7 +297,17 @@ impl Profile {
         for (thread, name) in [(HOST, "host"), (DEVICE, "device")] {
             events.push(json!({"name": "thread_name", "ph": "M", "pid": 0, "tid": thread, "args": {"name": name}}));
         }
-        json!({"traceEvents": events, "displayTimeUnit": "ms"})
+        json!({"traceEvents": events, "displayTimeUnit": "ms", "otherData": {"device row": self.placing()}})
+    }
+}
+
+impl Profile {
+    /// Says how the passes of the trace are placed.
+    fn placing(&self) -> &'static str {
+        match self.frames.iter().all(FrameProfile::is_calibrated) {
+            true => "passes at their times by the device's clock, which was compared with the host's",
+            false => "passes of a submission one after another from its begin: this device doesn't tell its clock",
+        }
     }
 }
 

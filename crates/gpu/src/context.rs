@@ -1,6 +1,7 @@
 //! The logical device with its queue, allocator and pipelines; everything made from it holds an `Arc` of it.
 
 use std::collections::HashMap;
+use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -9,6 +10,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings, MemoryLocation};
 
+use super::clock::{Calibrator, Clock};
 use super::deletions::Deletions;
 use super::instance::Instance;
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, has_extension, queue_family};
@@ -44,6 +46,10 @@ pub struct Context {
     pub debug: Option<ext::debug_utils::Device>,
     /// There if the device can leave out commands.
     pub conditional: Option<ext::conditional_rendering::Device>,
+    /// Counter of timestamps.
+    pub clock: Clock,
+    /// There if the device tells what its counter shows.
+    pub calibrator: Option<Calibrator>,
     /// Pipelines of earlier runs.
     pub pipeline_cache: vk::PipelineCache,
     /// `true` if shaders keep their names and their source.
@@ -104,7 +110,9 @@ impl Context {
                 features(&instance.raw, physical, Some(khr::pipeline_executable_properties::NAME));
             found.pipeline_executable_info == vk::TRUE
         };
-        let device = create_device(&instance, physical, family, &info, (options.robust, statistics))?;
+        let calibrated = Calibrator::extension(&instance, physical);
+        let asked = Asked { robust: options.robust, statistics, calibrated };
+        let device = create_device(&instance, physical, family, &info, asked)?;
         // SAFETY: the family and index are those the device was created with.
         let queue = unsafe { device.get_device_queue(family, 0) };
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -131,6 +139,8 @@ impl Context {
         .map_err(Error::call("vkCreatePipelineCache"))?;
         let executables = statistics.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &device));
         let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &device));
+        let clock = Clock::of(&instance.raw, physical, family, info.timestamp_period_ns);
+        let calibrator = calibrated.map(|extension| Calibrator::new(&instance, &device, extension));
         let conditional = info.conditional.then(|| ext::conditional_rendering::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
@@ -141,6 +151,8 @@ impl Context {
             limits,
             debug,
             conditional,
+            clock,
+            calibrator,
             debug_shaders: options.debug_shaders,
             pipeline_cache,
             executables,
@@ -307,12 +319,19 @@ impl Drop for Context {
     }
 }
 
+/// Things that a device is made with where it has them.
+struct Asked {
+    robust: bool,
+    statistics: bool,
+    calibrated: Option<&'static CStr>,
+}
+
 fn create_device(
     instance: &Instance,
     physical: vk::PhysicalDevice,
     family: u32,
     info: &DeviceInfo,
-    (robust, statistics): (bool, bool),
+    Asked { robust, statistics, calibrated }: Asked,
 ) -> Result<ash::Device, Error> {
     let modern: vk::PhysicalDeviceVulkan13Features<'_> = features(&instance.raw, physical, None);
     let has_robustness2 = robust && has_extension(&instance.raw, physical, ext::robustness2::NAME);
@@ -343,6 +362,7 @@ fn create_device(
     extensions.extend(instance.surface.is_some().then_some(khr::swapchain::NAME.as_ptr()));
     extensions.extend(has_robustness2.then_some(ext::robustness2::NAME.as_ptr()));
     extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));
+    extensions.extend(calibrated.map(CStr::as_ptr));
     extensions.extend(info.conditional.then_some(ext::conditional_rendering::NAME.as_ptr()));
     // Vulkan wants it enabled wherever a device has it, as MoltenVK does. Its features stay off.
     let portability = has_extension(&instance.raw, physical, khr::portability_subset::NAME);

@@ -8,6 +8,7 @@ mod agree;
 mod barriers;
 mod buffer;
 pub mod cache;
+mod clock;
 mod compiled;
 mod context;
 mod deletions;

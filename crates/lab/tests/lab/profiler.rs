@@ -6,7 +6,7 @@ use pellucid_core::progress::{Phase, Span};
 use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
 use pellucid_engine::pipelines::{PipelineFacts, Pipelines};
 use pellucid_engine::profile::{Profile, copy_rate, histogram};
-use pellucid_gpu::{Executable, PassTime};
+use pellucid_gpu::{Executable, Memory, PassTime, Submitted};
 use pellucid_scene::stored::Reads;
 use pellucid_scene::{Discs, Method};
 use pellucid_testing::{frame, perspective, scene, soup, with_device};
@@ -18,7 +18,7 @@ fn by_hand() -> Profile {
     let (ms, origin) = (Duration::from_millis, Instant::now());
     let span = |phase, begin, length| Span { phase, begin: origin + ms(begin), length: ms(length) };
     let pass = |name, gpu, invocations, bytes| PassProfile { name, gpu: ms(gpu), invocations, bytes };
-    let run = |name, gpu, start| (PassTime { name, gpu: ms(gpu), invocations: Some(64) }, ms(start));
+    let run = |name, gpu, start| (PassTime { name, gpu: ms(gpu), begin: None, invocations: Some(64) }, ms(start));
     Profile {
         device: "a device".into(),
         driver: "a driver".into(),
@@ -119,6 +119,48 @@ fn the_trace_has_phases_frames_and_dispatches_where_they_happened() {
         (0, "write", 42_000.0, 1000.0),
     ];
     assert_eq!(found, expected.map(|(row, name, ts, dur)| (row, name.to_owned(), ts, dur)));
+}
+
+#[test]
+fn a_trace_says_how_its_passes_are_placed() {
+    let placing = |profile: &Profile| profile.to_trace()["otherData"]["device row"].as_str().unwrap().to_owned();
+    let mut profile = by_hand();
+    assert!(placing(&profile).ends_with("this device doesn't tell its clock"));
+    for (pass, _) in profile.frames.iter_mut().flat_map(|frame| &mut frame.timeline) {
+        pass.begin = Some(Instant::now());
+    }
+    assert!(placing(&profile).starts_with("passes at their times by the device's clock"));
+}
+
+/// The device runs nothing while the host sleeps between two submissions, whose passes lie on either side of it.
+#[test]
+fn passes_of_two_submissions_lie_apart_by_what_the_host_did_between_them() {
+    with_device(|device| {
+        let buffer = device.buffer::<u32>("numbers", 1 << 16, Memory::Device).expect("fits");
+        let submitted = || {
+            let mut recorder = device.recorder().expect("a recorder");
+            recorder.fill("test/first", buffer.all(), 1).expect("recorded");
+            recorder.fill("test/second", buffer.all(), 2).expect("recorded");
+            recorder.submit("fills").expect("submitted")
+        };
+        let before = submitted();
+        let rest = Duration::from_millis(50);
+        std::thread::sleep(rest);
+        let after = submitted();
+        let begins =
+            |submitted: &Submitted| -> Option<Vec<Instant>> { submitted.passes.iter().map(|p| p.begin).collect() };
+        let (Some(early), Some(late)) = (begins(&before), begins(&after)) else {
+            return assert!(before.passes.iter().chain(&after.passes).all(|pass| pass.begin.is_none()));
+        };
+        // Half of the time that reading both clocks takes; far less than this but on a machine that stands still.
+        let slack = Duration::from_millis(10);
+        for (submitted, begins) in [(&before, &early), (&after, &late)] {
+            let end = submitted.begin + submitted.wall;
+            assert!(begins.is_sorted(), "{begins:?}");
+            assert!(begins.iter().all(|at| *at + slack >= submitted.begin && *at <= end + slack), "{submitted:?}");
+        }
+        assert!(late[0] - early[1] + slack >= rest, "{early:?} {late:?}");
+    });
 }
 
 #[test]
