@@ -65,6 +65,7 @@ pub mod methods;
 pub mod passes;
 #[cfg(test)]
 mod passes_page;
+pub mod pipelines;
 pub mod plan;
 pub mod profile;
 mod shaders;

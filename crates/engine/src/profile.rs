@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::gpu::{self, Compilation, Device, Memory};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
+use crate::pipelines::Pipelines;
 use crate::progress::{Phase, Span};
 
 /// Frames of one scene on one device.
@@ -43,6 +44,8 @@ pub struct Profile {
     pub host: Vec<Span>,
     /// The frames.
     pub frames: Vec<FrameProfile>,
+    /// Facts of the driver's compiler about the pipelines.
+    pub pipelines: Pipelines,
 }
 
 impl Profile {
@@ -64,6 +67,7 @@ impl Profile {
             clouds: Vec::new(),
             host: Vec::new(),
             frames: Vec::new(),
+            pipelines: Pipelines::default(),
         }
     }
 
@@ -121,6 +125,9 @@ impl Profile {
         });
         if let Some(adjusted) = &self.facts.adjusted {
             whole["ensembles"] = adjusted.to_json(&self.clouds);
+        }
+        if let Some(pipelines) = self.pipelines.to_json() {
+            whole["pipelines"] = pipelines;
         }
         whole
     }
@@ -290,7 +297,17 @@ impl Profile {
         for (thread, name) in [(HOST, "host"), (DEVICE, "device")] {
             events.push(json!({"name": "thread_name", "ph": "M", "pid": 0, "tid": thread, "args": {"name": name}}));
         }
-        json!({"traceEvents": events, "displayTimeUnit": "ms"})
+        json!({"traceEvents": events, "displayTimeUnit": "ms", "otherData": {"device row": self.placing()}})
+    }
+}
+
+impl Profile {
+    /// Says how the passes of the trace are placed.
+    fn placing(&self) -> &'static str {
+        match self.frames.iter().all(FrameProfile::is_calibrated) {
+            true => "passes at their times by the device's clock, which was compared with the host's",
+            false => "passes of a submission one after another from its begin: this device doesn't tell its clock",
+        }
     }
 }
 

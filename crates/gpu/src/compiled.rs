@@ -1,11 +1,13 @@
 //! Statistics of a driver's compiler about a pipeline: registers, scratch, occupancy
 //! (VK_KHR_pipeline_executable_properties).
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use ash::vk;
+use ash::{khr, vk};
 
-use super::pipeline::Pipeline;
+use super::context::lock;
+use super::pipeline::{Pipeline, PipelineSource};
 use super::{Declaration, Device, Error, Outputs, Variant};
 
 /// A pipeline as the driver compiled it.
@@ -52,25 +54,45 @@ impl Device {
             Some(outputs) => Pipeline::draw(context, pass, variant, outputs)?,
         };
         let time = begin.elapsed();
-        let info = vk::PipelineInfoKHR::default().pipeline(pipeline.raw);
-        // SAFETY: the pipeline is alive and was made with the flag for statistics.
-        let listed = unsafe { loader.get_pipeline_executable_properties(&info) }
-            .map_err(Error::call("vkGetPipelineExecutablePropertiesKHR"))?;
-        let mut executables = Vec::new();
-        for (index, properties) in (0u32..).zip(&listed) {
-            let info = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.raw).executable_index(index);
-            // SAFETY: as above, and the index is one of those listed.
-            let found = unsafe { loader.get_pipeline_executable_statistics(&info) }
-                .map_err(Error::call("vkGetPipelineExecutableStatisticsKHR"))?;
-            let name = properties.name_as_c_str().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let statistics = found.iter().map(|statistic| {
-                let name = statistic.name_as_c_str().map(|name| name.to_string_lossy().into_owned());
-                (name.unwrap_or_default(), number(statistic))
-            });
-            executables.push(Executable { name, subgroup: properties.subgroup_size, statistics: statistics.collect() });
-        }
-        Ok(Compiled { time, executables })
+        Ok(Compiled { time, executables: executables(loader, &pipeline)? })
     }
+
+    /// Returns what the driver says of every pipeline so far, in no order; `None` where it doesn't tell, or the device
+    /// was opened without [`DeviceOptions::statistics`](super::DeviceOptions::statistics).
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    pub fn compiled_pipelines(&self) -> Result<Option<Vec<(PipelineSource, Vec<Executable>)>>, Error> {
+        let Some(loader) = &self.0.executables else { return Ok(None) };
+        let pipelines: Vec<_> = lock(&self.0.pipelines).values().cloned().collect();
+        let told = |pipeline: Arc<Pipeline>| Ok((pipeline.made.clone(), executables(loader, &pipeline)?));
+        pipelines.into_iter().map(told).collect::<Result<_, _>>().map(Some)
+    }
+}
+
+/// Asks the driver about a pipeline that was made with the flag for statistics.
+fn executables(
+    loader: &khr::pipeline_executable_properties::Device,
+    pipeline: &Pipeline,
+) -> Result<Vec<Executable>, Error> {
+    let info = vk::PipelineInfoKHR::default().pipeline(pipeline.raw);
+    // SAFETY: the pipeline is alive and was made with the flag for statistics.
+    let listed = unsafe { loader.get_pipeline_executable_properties(&info) }
+        .map_err(Error::call("vkGetPipelineExecutablePropertiesKHR"))?;
+    let mut executables = Vec::new();
+    for (index, properties) in (0u32..).zip(&listed) {
+        let info = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.raw).executable_index(index);
+        // SAFETY: as above, and the index is one of those listed.
+        let found = unsafe { loader.get_pipeline_executable_statistics(&info) }
+            .map_err(Error::call("vkGetPipelineExecutableStatisticsKHR"))?;
+        let name = properties.name_as_c_str().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let statistics = found.iter().map(|statistic| {
+            let name = statistic.name_as_c_str().map(|name| name.to_string_lossy().into_owned());
+            (name.unwrap_or_default(), number(statistic))
+        });
+        executables.push(Executable { name, subgroup: properties.subgroup_size, statistics: statistics.collect() });
+    }
+    Ok(executables)
 }
 
 fn number(statistic: &vk::PipelineExecutableStatisticKHR<'_>) -> f64 {

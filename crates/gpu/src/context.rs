@@ -1,6 +1,7 @@
 //! The logical device with its queue, allocator and pipelines; everything made from it holds an `Arc` of it.
 
 use std::collections::HashMap;
+use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -9,6 +10,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings, MemoryLocation};
 
+use super::clock::{Calibrator, Clock};
 use super::deletions::Deletions;
 use super::instance::Instance;
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, has_extension, queue_family};
@@ -44,8 +46,14 @@ pub struct Context {
     pub debug: Option<ext::debug_utils::Device>,
     /// There if the device can leave out commands.
     pub conditional: Option<ext::conditional_rendering::Device>,
+    /// Counter of timestamps.
+    pub clock: Clock,
+    /// There if the device tells what its counter shows.
+    pub calibrator: Option<Calibrator>,
     /// Pipelines of earlier runs.
     pub pipeline_cache: vk::PipelineCache,
+    /// `true` if shaders keep their names and their source.
+    pub debug_shaders: bool,
     /// There if the driver keeps what it finds out about pipelines.
     pub executables: Option<khr::pipeline_executable_properties::Device>,
     /// Instance that the device belongs to.
@@ -102,7 +110,9 @@ impl Context {
                 features(&instance.raw, physical, Some(khr::pipeline_executable_properties::NAME));
             found.pipeline_executable_info == vk::TRUE
         };
-        let device = create_device(&instance, physical, family, &info, (options.robust, statistics))?;
+        let calibrated = Calibrator::extension(&instance, physical);
+        let asked = Asked { robust: options.robust, statistics, calibrated };
+        let device = create_device(&instance, physical, family, &info, asked)?;
         // SAFETY: the family and index are those the device was created with.
         let queue = unsafe { device.get_device_queue(family, 0) };
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -129,6 +139,8 @@ impl Context {
         .map_err(Error::call("vkCreatePipelineCache"))?;
         let executables = statistics.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &device));
         let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &device));
+        let clock = Clock::of(&instance.raw, physical, family, info.timestamp_period_ns);
+        let calibrator = calibrated.map(|extension| Calibrator::new(&instance, &device, extension));
         let conditional = info.conditional.then(|| ext::conditional_rendering::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
@@ -139,6 +151,9 @@ impl Context {
             limits,
             debug,
             conditional,
+            clock,
+            calibrator,
+            debug_shaders: options.debug_shaders,
             pipeline_cache,
             executables,
             instance,
@@ -192,8 +207,9 @@ impl Context {
         allocated.ok_or_else(|| self.out_of_memory(name, bytes))
     }
 
-    /// Takes note of an allocation.
+    /// Takes note of the allocation of a buffer or an image, and names this.
     pub fn note_allocation(&self, key: (vk::ObjectType, u64), name: &str, bytes: u64) {
+        self.name_handle(key, name);
         lock(&self.live).insert(key, (name.to_owned(), bytes));
     }
 
@@ -225,7 +241,11 @@ impl Context {
             let pool = self.device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
             let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
             match self.device.allocate_command_buffers(&info) {
-                Ok(buffers) => Ok(Commands { pool, buffer: buffers[0] }),
+                Ok(buffers) => {
+                    self.name_object(pool, "recordings");
+                    self.name_object(buffers[0], "recording");
+                    Ok(Commands { pool, buffer: buffers[0] })
+                }
                 Err(result) => {
                     self.device.destroy_command_pool(pool, None);
                     Err(Error::call("vkAllocateCommandBuffers")(result))
@@ -267,6 +287,7 @@ impl Context {
         }
         let begin = Instant::now();
         let pipeline = Arc::new(build()?);
+        self.name_pipeline(&pipeline);
         lock(&self.compilations).push(Compilation { begin, time: begin.elapsed() });
         lock(&self.pipelines).insert(key, pipeline.clone());
         Ok(pipeline)
@@ -298,12 +319,19 @@ impl Drop for Context {
     }
 }
 
+/// Things that a device is made with where it has them.
+struct Asked {
+    robust: bool,
+    statistics: bool,
+    calibrated: Option<&'static CStr>,
+}
+
 fn create_device(
     instance: &Instance,
     physical: vk::PhysicalDevice,
     family: u32,
     info: &DeviceInfo,
-    (robust, statistics): (bool, bool),
+    Asked { robust, statistics, calibrated }: Asked,
 ) -> Result<ash::Device, Error> {
     let modern: vk::PhysicalDeviceVulkan13Features<'_> = features(&instance.raw, physical, None);
     let has_robustness2 = robust && has_extension(&instance.raw, physical, ext::robustness2::NAME);
@@ -334,6 +362,7 @@ fn create_device(
     extensions.extend(instance.surface.is_some().then_some(khr::swapchain::NAME.as_ptr()));
     extensions.extend(has_robustness2.then_some(ext::robustness2::NAME.as_ptr()));
     extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));
+    extensions.extend(calibrated.map(CStr::as_ptr));
     extensions.extend(info.conditional.then_some(ext::conditional_rendering::NAME.as_ptr()));
     // Vulkan wants it enabled wherever a device has it, as MoltenVK does. Its features stay off.
     let portability = has_extension(&instance.raw, physical, khr::portability_subset::NAME);

@@ -159,6 +159,7 @@ impl Attachment {
         // SAFETY: the image has its memory; the view is destroyed in drop.
         self.view =
             unsafe { context.device.create_image_view(&info, None) }.map_err(Error::call("vkCreateImageView"))?;
+        context.name_object(self.view, name);
         Ok(())
     }
 

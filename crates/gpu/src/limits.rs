@@ -25,6 +25,8 @@ pub struct DeviceOptions {
     /// Have the driver keep what it finds out about each pipeline, as far as it can:
     /// [`Shader::compiled`](super::shader::Shader::compiled).
     pub statistics: bool,
+    /// Keep names and WGSL source in the shaders, for debuggers such as RenderDoc and Nsight. Changes no result.
+    pub debug_shaders: bool,
 }
 
 impl DeviceOptions {

@@ -62,6 +62,19 @@ pub struct PipelineSource {
     pub outputs: Option<Outputs>,
 }
 
+impl PipelineSource {
+    /// Returns a name for people: the label, and what tells the variant from others.
+    pub fn title(&self) -> String {
+        let overrides = self.variant.overrides.iter().map(|(name, value)| format!("{name}={value}"));
+        let constants = self.variant.constants.iter().map(|(name, value)| format!("{name}={value}"));
+        let choices: Vec<String> = overrides.chain(constants).collect();
+        match choices.is_empty() {
+            true => self.label.to_owned(),
+            false => format!("{} ({})", self.label, choices.join(", ")),
+        }
+    }
+}
+
 pub struct Pipeline {
     /// Source that it was made from.
     pub made: PipelineSource,
@@ -81,10 +94,10 @@ impl Pipeline {
         label: &'static str,
     ) -> Result<Arc<Self>, Error> {
         context.pipeline((pass.shader, pass.piece, variant.key(), None), || {
-            let words = shader::compile(pass, variant)?;
+            let words = shader::compile(pass, variant, context.debug_shaders)?;
             let made = made(pass, label, variant, None);
             Self::build(context, pass, made, vk::ShaderStageFlags::COMPUTE, |layout| {
-                let module = Module::new(context, &words)?;
+                let module = Module::new(context, pass.shader, &words)?;
                 let mut stage = module.stage(vk::ShaderStageFlags::COMPUTE);
                 let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
                 if let Some(wanted) = variant.subgroup {
@@ -108,11 +121,12 @@ impl Pipeline {
         outputs: Outputs,
     ) -> Result<Arc<Self>, Error> {
         context.pipeline((pass.shader, pass.piece, variant.key(), Some(outputs)), || {
-            let [vertex, fragment] = shader::compile_draw(pass, variant)?;
+            let [vertex, fragment] = shader::compile_draw(pass, variant, context.debug_shaders)?;
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
             let made = made(pass, pass.name, variant, Some(outputs));
             Self::build(context, pass, made, stages, |layout| {
-                let modules = [Module::new(context, &vertex)?, Module::new(context, &fragment)?];
+                let modules =
+                    [Module::new(context, shader::QUAD, &vertex)?, Module::new(context, pass.shader, &fragment)?];
                 let stages =
                     [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
                 let vertices = vk::PipelineVertexInputStateCreateInfo::default();
@@ -257,11 +271,12 @@ struct Module<'a> {
 }
 
 impl<'a> Module<'a> {
-    fn new(context: &'a Context, words: &[u32]) -> Result<Self, Error> {
+    fn new(context: &'a Context, name: &str, words: &[u32]) -> Result<Self, Error> {
         let info = vk::ShaderModuleCreateInfo::default().code(words);
         // SAFETY: the words come from naga's validated module or our checksummed cache.
         let raw =
             unsafe { context.device.create_shader_module(&info, None) }.map_err(Error::call("vkCreateShaderModule"))?;
+        context.name_object(raw, name);
         Ok(Self { context, raw })
     }
 
@@ -274,5 +289,19 @@ impl Drop for Module<'_> {
     fn drop(&mut self) {
         // SAFETY: pipelines do not need their modules once they exist.
         unsafe { self.context.device.destroy_shader_module(self.raw, None) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Pass;
+
+    #[test]
+    fn titles_tell_variants_apart() {
+        let title = |variant: &Variant| made(&crate::Agree::DECLARATION, "abuffer/store", variant, None).title();
+        assert_eq!(title(&Variant::plain()), "abuffer/store");
+        let variant = Variant::plain().with("STEP", 2).constant("CAPACITY", 8);
+        assert_eq!(title(&variant), "abuffer/store (STEP=2, CAPACITY=8u)");
     }
 }

@@ -393,6 +393,31 @@ mod tests {
         assert_eq!(constants, [25, 3, 25]);
     }
 
+    #[test]
+    fn corrections_are_the_same_with_names_and_source() {
+        for source in [ARRAY, LOCAL, MASK, LENGTHS] {
+            let [plain, debug] = [compiled(source), named(source)];
+            assert!(count(&debug, |op, _| op == Op::Name) > 0 && count(&debug, |op, _| op == Op::Line) > 0);
+            let counts = |words: &[u32]| {
+                let corrected = correct(words);
+                let of = |wanted: fn(Op, &[u32]) -> bool| count(&corrected, wanted);
+                [
+                    of(|op, i| op == Op::Decorate && i[2] == Decoration::NoContraction as u32),
+                    of(|op, i| op == Op::Variable && i.len() == 5),
+                    of(|op, _| op == Op::TypeArray),
+                    of(|op, _| op == Op::AccessChain),
+                    of(|op, _| op == Op::ISub),
+                ]
+            };
+            assert_eq!(counts(&plain), counts(&debug));
+        }
+    }
+
+    /// SPIR-V with names and source.
+    fn named(source: &str) -> Vec<u32> {
+        crate::shader::to_debug_spirv("test", source).expect("a valid shader")
+    }
+
     /// The number of the validation layers' messages about a shader module.
     fn messages(device: &crate::Device, words: &[u32]) -> usize {
         let before = device.validation_messages().len();
@@ -415,6 +440,7 @@ mod tests {
         };
         for source in [ARRAY, LOCAL, MASK, LENGTHS] {
             assert_eq!(messages(&device, &correct(&compiled(source))), 0, "{:?}", device.validation_messages());
+            assert_eq!(messages(&device, &correct(&named(source))), 0, "{:?}", device.validation_messages());
         }
         assert!(messages(&device, &compiled(MASK)) > 0);
     }

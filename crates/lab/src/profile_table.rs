@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use pellucid_engine::methods::FrameProfile;
+use pellucid_engine::pipelines::{Pipelines, Shape};
 use pellucid_engine::profile::{self, Profile, median};
 
 /// The per-pass table over all frames: least, median and greatest device time, share of the frame, and bytes moved.
@@ -14,13 +15,15 @@ pub fn profile_table(profile: &Profile, copy_rate: Option<f64>) -> String {
     let mut table = Table::new();
     let line = LineStyle::none().fill('─').junction('─');
     table.load_style(TableStyle::new().top_border(line).header_separator(line).bottom_border(line));
-    table.set_header(["pass", "min ms", "median ms", "max ms", "share", "invocations", "MiB", "GB/s", "of copy rate"]);
+    let header = ["pass", "min ms", "median ms", "max ms", "share", "invocations", "MiB", "GB/s", "of copy rate"];
+    let compiled = if matches!(profile.pipelines, Pipelines::Told(_)) { &COMPILED[..] } else { &[] };
+    table.set_header(header.iter().chain(compiled));
     let rows = profile.passes();
     let total: f64 = rows.iter().map(|r| r.median).sum();
     for row in &rows {
         let seconds = row.median / 1e3;
         let rate = row.bytes.filter(|_| seconds > 0.0).map(|b| b as f64 / seconds);
-        table.add_row([
+        let cells = [
             row.name.to_owned(),
             format!("{:.3}", row.min),
             format!("{:.3}", row.median),
@@ -30,12 +33,23 @@ pub fn profile_table(profile: &Profile, copy_rate: Option<f64>) -> String {
             row.bytes.map_or_else(String::new, |b| format!("{:.1}", b as f64 / f64::from(1 << 20))),
             rate.map_or_else(String::new, |r| format!("{:.2}", r / 1e9)),
             rate.zip(copy_rate).map_or_else(String::new, |(r, c)| format!("{:.0}%", 100.0 * r / c)),
-        ]);
+        ];
+        let shape = profile.pipelines.of_pass(row.name).unwrap_or_default();
+        table.add_row(cells.into_iter().chain(compiled_cells(shape).into_iter().take(compiled.len())));
     }
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     format!("{}\n{table}\n{}", head(profile), foot(profile, copy_rate))
+}
+
+/// Columns of what the driver's compiler says.
+const COMPILED: [&str; 4] = ["registers", "spills", "shared B", "code KiB"];
+
+fn compiled_cells(shape: Shape) -> [String; COMPILED.len()] {
+    let whole = |figure: Option<f64>| figure.map_or_else(String::new, |figure| format!("{figure:.0}"));
+    let code = shape.code_bytes.map_or_else(String::new, |bytes| format!("{:.1}", bytes / 1024.0));
+    [whole(shape.registers), whole(shape.spills), whole(shape.shared_bytes), code]
 }
 
 fn head(profile: &Profile) -> String {
@@ -79,6 +93,12 @@ fn foot(profile: &Profile, copy_rate: Option<f64>) -> String {
     ));
     if let Some(rate) = copy_rate {
         lines.push(format!("copy rate of this device: {:.2} GB/s, reads and writes together", rate / 1e9));
+    }
+    if profile.pipelines == Pipelines::Untold {
+        lines.push(format!(
+            "pipelines: {} doesn't tell what its compiler made of them (no VK_KHR_pipeline_executable_properties)",
+            profile.device
+        ));
     }
     lines.extend(profile.adjustment_lines());
     lines.push(profile.host_text());

@@ -4,11 +4,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid_engine::Result;
+use pellucid_gpu::{Device, DeviceOptions};
 use pellucid_lab::check::{self, Case, Counts, Finding, Naive, Verdict};
 
 use super::console::Console;
 use super::limit::usage;
-use super::options::device;
 use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
         console.print(&cases.iter().map(|case| format!("{:<36} {}\n", case.name, case.about)).collect::<String>())?;
         return Ok(ExitCode::SUCCESS);
     }
-    let device = device(args.device)?;
+    let device = Device::open(&DeviceOptions { device: args.device, ..DeviceOptions::from_env() })?;
     let mut stage = check::CaseRenderer::new(&device)?;
     let progress = console.progress();
     progress.set_length(cases.len() as u64);

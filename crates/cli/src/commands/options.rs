@@ -30,6 +30,11 @@ pub struct DeviceArgs {
     /// Default: three quarters of the memory of the device, less the cloud.
     #[arg(long, value_name = "SIZE", help_heading = headings::DEVICE)]
     memory_budget: Option<ByteSize>,
+    /// Keep names and WGSL source in the shaders, for debuggers such as RenderDoc and Nsight.
+    ///
+    /// No value of a picture changes. Shaders are compiled anew at the first use of this option.
+    #[arg(long, help_heading = headings::DEVICE, hide_short_help = true)]
+    debug_shaders: bool,
 }
 
 impl DeviceArgs {
@@ -38,17 +43,23 @@ impl DeviceArgs {
         self.memory_budget.map(|budget| budget.as_u64())
     }
 
+    /// Returns options for opening the device.
+    pub fn options(&self) -> DeviceOptions {
+        let (device, debug_shaders) = (self.device.clone(), self.debug_shaders);
+        DeviceOptions { device, debug_shaders, ..DeviceOptions::from_env() }
+    }
+
     /// Opens the device, in the phase in which points come to it.
     pub fn open(&self, progress: &Bar) -> Result<Device> {
-        progress.begin(Phase::Upload);
-        progress.stage("uploading");
-        device(self.device.clone())
+        open(&self.options(), progress)
     }
 }
 
-/// Opens the device of that index or part of a name, else the best one.
-pub fn device(device: Option<String>) -> Result<Device> {
-    Ok(Device::open(&DeviceOptions { device, ..DeviceOptions::from_env() })?)
+/// Opens a device, in the phase in which points come to it.
+pub fn open(options: &DeviceOptions, progress: &Bar) -> Result<Device> {
+    progress.begin(Phase::Upload);
+    progress.stage("uploading");
+    Ok(Device::open(options)?)
 }
 
 /// Measurements of a frame, as files.

@@ -11,6 +11,7 @@ use pellucid_core::cloud::shadow_texture::ShadowTexture;
 use pellucid_core::cloud::{Cloud, Prepared};
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_gpu::Device;
 use pellucid_io as io;
 use pellucid_io::output::{self, Inputs, Output};
 use pellucid_io::store::OCTREE_FILES;
@@ -19,7 +20,7 @@ use pellucid_scene::{self as scene, CloudSettings, Overrides, Scene};
 
 use super::console::Console;
 use super::limit::usage;
-use super::options::{DeviceArgs, device};
+use super::options::DeviceArgs;
 use super::prepare_store;
 use super::touched::{Touched, Touches};
 
@@ -195,7 +196,7 @@ impl PrepareArgs {
         progress.stage("casting shadows");
         let points = scene::assemble(scene, vec![cloud.clone()], false, progress)?;
         let (camera, _) = scene::camera(scene, &points, cloud.up)?;
-        let device = device(self.device.device.clone())?;
+        let device = Device::open(&self.device.options())?;
         let frame = Frame {
             shading: scene.shading,
             shadows: scene.shadows,

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use pellucid_core::camera::StatedCamera;
 use pellucid_engine::methods::{Rendered, Stop};
+use pellucid_engine::pipelines::Pipelines;
 use pellucid_engine::{Result, profile};
+use pellucid_gpu::DeviceOptions;
 use pellucid_session::{FrameRequest, Measuring, Prepared, Request, Session};
 
 use super::along::{Along, PathArgs};
@@ -13,7 +15,7 @@ use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
 use super::measured::FrameProfiles;
-use super::options::{DeviceArgs, MeasureArgs, one_of};
+use super::options::{self, DeviceArgs, MeasureArgs, one_of};
 use super::touched::{Touched, Touches};
 
 #[derive(Debug, Args)]
@@ -48,6 +50,11 @@ pub struct ProfileArgs {
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
     #[arg(value_parser = one_of(&[("exr", Stop::Exact), ("png", Stop::EightBit { transparent: false })]))]
     stop: Stop,
+    /// Show what the driver's compiler made of each pass: registers, spills, shared memory, size of the code.
+    ///
+    /// Shaders are compiled anew. Where the driver doesn't tell (VK_KHR_pipeline_executable_properties) a sentence says so.
+    #[arg(long, help_heading = super::headings::MEASUREMENTS)]
+    pub pipelines: bool,
     /// Print JSON instead of the table, as --profile writes it.
     #[arg(long)]
     pub json: bool,
@@ -93,7 +100,8 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     args.files().check()?;
     let progress = console.progress();
     let (prepared, cameras) = args.prepare(&progress)?;
-    let mut session = Session::open(&args.device.open(&progress)?, prepared, &progress, &progress)?;
+    let options = DeviceOptions { statistics: args.pipelines, ..args.device.options() };
+    let mut session = Session::open(&options::open(&options, &progress)?, prepared, &progress, &progress)?;
     session.describe(&progress);
     // The first frame pays for pipelines and buffers.
     let first = session.first(&progress)?;
@@ -140,6 +148,9 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
         progress.inc(1);
     }
     session.add_phases(&mut profile);
+    if args.pipelines {
+        profile.pipelines = Pipelines::of(&session.device)?;
+    }
     // The table's alone.
     let copy_rate = if args.json { None } else { Some(profile::copy_rate(&session.device)?) };
     progress.finish_and_clear();

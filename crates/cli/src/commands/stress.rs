@@ -6,12 +6,13 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pellucid_core::image::MAX_SIDE;
 use pellucid_engine::Result;
+use pellucid_gpu::Device;
 use pellucid_io::output::Output;
 use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::stress::{self, Cell, Entry, Report, Settings, Slope, Sweep};
 
 use super::console::Console;
-use super::options::{DeviceArgs, device, number};
+use super::options::{DeviceArgs, number};
 use super::touched::{Touched, Touches};
 use super::typed::command;
 
@@ -123,7 +124,7 @@ pub fn run(args: StressArgs, console: Console) -> Result<()> {
     pellucid_io::output::check_report_folder(&args.output)?;
     let settings = args.settings();
     let progress = console.progress();
-    let device = device(args.device.device.clone())?;
+    let device = Device::open(&args.device.options())?;
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
     progress.counted("stress", settings.cells() as u64);
     let sweep = stress::run(&device, &settings, &progress)?;

@@ -10,6 +10,7 @@ use pellucid_core::metrics;
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Frame};
+use pellucid_gpu::Device;
 use pellucid_io::output::{self, Output};
 use pellucid_lab::report::page::{self, ReportTable};
 use pellucid_lab::report::popping;
@@ -22,7 +23,7 @@ use super::along::{Along, PathArgs};
 use super::console::Console;
 use super::input::InputArgs;
 use super::limit::usage;
-use super::options::{self, AGAINST, DeviceArgs, one_of};
+use super::options::{AGAINST, DeviceArgs, one_of};
 use super::stress::seconds;
 use super::touched::{Touched, Touches};
 use super::typed::command;
@@ -213,7 +214,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
         }
     };
     progress.stage("uploading");
-    let device = options::device(args.device.device.clone())?;
+    let device = Device::open(&args.device.options())?;
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
     let scene = prepared.scene();
     let mut shading = scene.shading;

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pellucid_core::camera::import::CameraSource;
-use pellucid_gpu::DeviceOptions;
 use pellucid_session::Sources;
 use pellucid_viewer::{Display, Options, Setup};
 
@@ -69,7 +68,7 @@ pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
         sources,
         view: request.scene.camera.view,
         setup,
-        device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
+        device: device.options(),
         size: if input.size.is_some() || input.view.like.is_some() { request.scene.image.size } else { SIZE },
         budget_ms: budget,
         path: path.zip(cameras),

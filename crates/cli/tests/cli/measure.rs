@@ -316,6 +316,28 @@ fn the_table_names_every_pass_and_the_device() {
     }
 }
 
+#[test]
+fn a_profile_says_what_the_compiler_made_of_each_pass_or_that_the_driver_does_not_tell() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=500"]);
+    let args = ["-q", "profile", &tori, "--frames", "1", "--size", "16x12", "--method", "points", "--pipelines"];
+    let (table, profile) = (done(&folder, &args), parsed(&done(&folder, &[&args[..], &["--json"]].concat())));
+    let plain = parsed(&done(&folder, &[&args[..args.len() - 1], &["--json"]].concat()));
+    assert_eq!(plain.get("pipelines"), None, "nobody asked");
+    let sentence = table.contains("doesn't tell what its compiler made of them");
+    match profile["pipelines"].as_array() {
+        None => assert!(profile["pipelines"].is_null() && sentence && !table.contains("registers"), "{table}"),
+        Some(all) => {
+            assert!(!sentence && table.contains("registers") && table.contains("code KiB"), "{table}");
+            let told = |pipeline: &Value| !pipeline["executables"].as_array().unwrap().is_empty();
+            assert!(all.iter().any(told), "{all:?}");
+        }
+    }
+}
+
 /// Asserts that a plan says of exactly the passes of a profile that they are on; the names of those.
 #[track_caller]
 fn assert_planned(folder: &TempDir, args: &[&str]) -> Vec<String> {

@@ -38,6 +38,11 @@ pub struct FrameProfile {
 }
 
 impl FrameProfile {
+    /// Returns `true` if the starts of all passes are those that the device tells by its own clock.
+    pub fn is_calibrated(&self) -> bool {
+        self.timeline.iter().all(|(pass, _)| pass.begin.is_some())
+    }
+
     /// Returns device time of all passes.
     pub fn gpu(&self) -> Duration {
         self.passes.iter().map(|p| p.gpu).sum()

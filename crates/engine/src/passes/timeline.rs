@@ -12,8 +12,8 @@ pub struct Timeline {
     progress: Progress,
     /// Time when the first submission began.
     pub start: Option<Instant>,
-    /// Each pass with its start, counted from the first submission's. The passes of a submission follow one another
-    /// from its beginning on.
+    /// Each pass with its start, counted from the first submission's. Without a device that tells its clock, the passes
+    /// of a submission follow one another from its beginning on.
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
@@ -130,11 +130,14 @@ impl Timeline {
 
     /// Adds a finished submission.
     fn add(&mut self, submission: Submitted) {
-        let mut start = submission.begin - *self.start.get_or_insert(submission.begin);
+        let first = *self.start.get_or_insert(submission.begin);
+        let mut end = submission.begin - first;
         for pass in submission.passes {
-            let gpu = pass.gpu;
+            // Clocks are compared to about a microsecond, and a pass begins neither before its submission nor before
+            // the end of the one before it.
+            let start = pass.begin.map_or(end, |begin| begin.saturating_duration_since(first).max(end));
+            end = start + pass.gpu;
             self.passes.push((pass, start));
-            start += gpu;
         }
         self.submitted += submission.wall;
         if let Some(whole) = submission.whole {

@@ -270,6 +270,36 @@ fn a_validation_message_is_an_error() {
         let error = device.check_validation().expect_err("a message");
         assert!(matches!(&error, Error::Validation(messages) if messages.len() == 1), "{error}");
         assert!(error.to_string().contains("00117"), "{error}");
+        // The object that it is about, by the name that it has on the host.
+        assert!(error.to_string().contains("overlapping"), "{error}");
+    });
+}
+
+#[test]
+fn shaders_with_names_and_source_give_the_same_pixels() {
+    let size = [24, 16];
+    let points: Vec<P> = (0..40u16)
+        .map(|i| P {
+            position: at_pixel(f64::from(i * 7 % 24) + 0.5, f64::from(i * 5 % 16) + 0.5, 3.0 + f64::from(i)),
+            color: Vec3::new(0.25, 0.5, 1.0),
+            opacity: 0.5,
+            radius: 0.25,
+            normal: Vec3::ZERO,
+        })
+        .collect();
+    alone(|| {
+        let [plain, debug] = [false, true].map(|debug_shaders| {
+            let device = std::env::var("PELLUCID_TEST_DEVICE").ok();
+            let options = DeviceOptions { device, debug_shaders, ..DeviceOptions::validated() };
+            Device::open(&options).expect("a device")
+        });
+        for method in [Method::Points, Method::ABuffer(Discs::default()), Method::Sorted(Discs::default())] {
+            let frame = frame(pixel_camera(size), size, method);
+            let [expected, found] = [&plain, &debug].map(|device| render(device, &scene(&points), &frame).rgba);
+            assert!(expected.iter().any(|rgba| rgba[3] > 0.0));
+            assert!(expected == found, "{}", method.name());
+        }
+        debug.check_validation().expect("no message about names or source");
     });
 }
 

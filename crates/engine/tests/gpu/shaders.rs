@@ -82,6 +82,38 @@ fn every_shader_that_knows_quarters_of_pixels_is_valid_with_them() {
     println!("{} variants", checked(given));
 }
 
+/// Opcode and length of each instruction, without those that only debuggers read.
+fn computing(words: &[u32]) -> Vec<(u32, u32)> {
+    // OpSourceContinued to OpLine, and OpNoLine.
+    const DEBUG: [u32; 8] = [2, 3, 4, 5, 6, 7, 8, 317];
+    let mut rest = &words[5..];
+    let mut all = Vec::new();
+    while let [first, ..] = rest {
+        let (opcode, length) = (first & 0xffff, first >> 16);
+        all.extend((!DEBUG.contains(&opcode)).then_some((opcode, length)));
+        rest = &rest[length as usize..];
+    }
+    all
+}
+
+/// So all corrections of SPIR-V are made with names and source, too: nothing may be contracted, and lengths of arrays
+/// leave the guard out.
+#[test]
+fn shaders_with_names_and_source_have_the_instructions_of_those_without() {
+    for (shader, texts) in &*REFLECTED {
+        let (variant, reflection) = &texts[0];
+        let compiled = |debug| match reflection.stage {
+            ShaderStage::Compute => vec![shader::compile(&shader.pass, variant, debug).expect("a valid shader")],
+            _ => shader::compile_draw(&shader.pass, variant, debug).expect("valid shaders").to_vec(),
+        };
+        for (plain, debug) in compiled(false).iter().zip(compiled(true)) {
+            assert!(computing(plain) == computing(&debug), "{}", shader.pass.name);
+            // `main`, as OpName of the entry point, and the source are longer than nothing.
+            assert!(debug.len() > plain.len() + 10, "{}", shader.pass.name);
+        }
+    }
+}
+
 #[test]
 fn every_shader_file_belongs_to_a_pass() {
     let passes = shaders();

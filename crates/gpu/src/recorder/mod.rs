@@ -350,8 +350,9 @@ impl<'a> Recorder<'a> {
             let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&command);
             let begin = Instant::now();
-            let submitted =
-                crate::fault::vulkan("submit").and_then(|()| device.queue_submit2(context.queue, &[submit], fence));
+            let submitted = context.labelled(name, || {
+                crate::fault::vulkan("submit").and_then(|()| device.queue_submit2(context.queue, &[submit], fence))
+            });
             // Whoever shows pictures in a window may submit while this one waits.
             drop(guard);
             context.waits.fetch_add(1, Ordering::Relaxed);

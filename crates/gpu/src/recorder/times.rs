@@ -1,13 +1,14 @@
 //! Labels, timestamps and counts of invocations around each pass.
 
 use std::ffi::CString;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 
 use super::Recorder;
 use super::barriers::Touch;
 use crate::Error;
+use crate::clock::Calibrator;
 
 /// Passes that one pair of query pools covers.
 const QUERY_PASSES: u32 = 128;
@@ -19,6 +20,9 @@ pub struct PassTime {
     pub name: &'static str,
     /// Time between the stamps.
     pub gpu: Duration,
+    /// Time of the first of them by the host's clock; `None` where the device can't tell what its own clock shows
+    /// (VK_KHR_calibrated_timestamps).
+    pub begin: Option<Instant>,
     /// Shader invocations, compute and fragment together; `None` where the device does not count them.
     pub invocations: Option<u64>,
 }
@@ -124,13 +128,7 @@ impl Recorder<'_> {
             device.get_query_pool_results(queries.stamps, 0, &mut stamps, vk::QueryResultFlags::TYPE_64)
         }
         .map_err(Error::call("vkGetQueryPoolResults"))?;
-        Ok(Some(self.duration(stamps)))
-    }
-
-    /// The time between two timestamps.
-    fn duration(&self, [begin, end]: [u64; 2]) -> Duration {
-        let ticks = end.saturating_sub(begin) as f64;
-        Duration::from_nanos((ticks * self.context.info.timestamp_period_ns) as u64)
+        Ok(Some(self.context.clock.between(stamps)))
     }
 
     /// A pool of timestamps, which is destroyed in drop once it is among the queries.
@@ -170,6 +168,10 @@ impl Recorder<'_> {
 
     pub(super) fn read_times(&self) -> Result<Vec<PassTime>, Error> {
         let mut times = Vec::with_capacity(self.passes.len());
+        let clock = self.context.clock;
+        // Now, so that the clocks have no time to drift apart.
+        let timed = (!self.passes.is_empty()).then_some(self.context.calibrator.as_ref()).flatten();
+        let calibration = timed.and_then(Calibrator::read);
         for (queries, chunk) in self.queries.iter().zip(self.passes.chunks(QUERY_PASSES as usize)) {
             let mut stamps = vec![0u64; 2 * chunk.len()];
             // SAFETY: the submission has finished, so every stamp of the chunk is available.
@@ -183,12 +185,13 @@ impl Recorder<'_> {
             }
             .map_err(Error::call("vkGetQueryPoolResults"))?;
             for (i, (name, counted)) in chunk.iter().enumerate() {
-                let gpu = self.duration([stamps[2 * i], stamps[2 * i + 1]]);
+                let gpu = clock.between([stamps[2 * i], stamps[2 * i + 1]]);
+                let begin = calibration.map(|read| read.time_of(clock, stamps[2 * i]));
                 let invocations = match queries.statistics {
                     Some(pool) if *counted => self.read_statistics(pool, i as u32)?,
                     _ => None,
                 };
-                times.push(PassTime { name, gpu, invocations });
+                times.push(PassTime { name, gpu, begin, invocations });
             }
         }
         Ok(times)

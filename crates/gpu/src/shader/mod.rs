@@ -63,23 +63,30 @@ fn error(name: &str, message: impl Into<String>) -> Error {
     Error::Shader { name: name.to_owned(), message: message.into() }
 }
 
-/// SPIR-V of a pass's compute shader, checked against the pass's declaration; from the disk cache if it is there.
-pub fn compile(pass: &Declaration, variant: &Variant) -> Result<Vec<u32>, Error> {
-    compile_stage(pass, pass.shader, variant, true)
+/// SPIR-V of a pass's compute shader, checked against the pass's declaration; from the disk cache if it is there. With
+/// `debug` it has names and source, which change nothing that it computes.
+pub fn compile(pass: &Declaration, variant: &Variant, debug: bool) -> Result<Vec<u32>, Error> {
+    compile_stage(pass, pass.shader, variant, (true, debug))
 }
 
 /// The vertex shader of every pass that draws: two triangles over each splat's rectangle.
-const QUAD: &str = "raster/quad.vert";
+pub(crate) const QUAD: &str = "raster/quad.vert";
 
 /// SPIR-V of the vertex and fragment shaders of a pass that draws. The vertex shader uses only some of the bindings.
-pub fn compile_draw(pass: &Declaration, variant: &Variant) -> Result<[Vec<u32>; 2], Error> {
-    Ok([compile_stage(pass, QUAD, &Variant::plain(), false)?, compile_stage(pass, pass.shader, variant, true)?])
+pub fn compile_draw(pass: &Declaration, variant: &Variant, debug: bool) -> Result<[Vec<u32>; 2], Error> {
+    let vertex = compile_stage(pass, QUAD, &Variant::plain(), (false, debug))?;
+    Ok([vertex, compile_stage(pass, pass.shader, variant, (true, debug))?])
 }
 
-fn compile_stage(pass: &Declaration, stem: &str, variant: &Variant, all_bindings: bool) -> Result<Vec<u32>, Error> {
+fn compile_stage(
+    pass: &Declaration,
+    stem: &str,
+    variant: &Variant,
+    (all_bindings, debug): (bool, bool),
+) -> Result<Vec<u32>, Error> {
     let (source, bindings, push) = (source(pass, stem, variant)?, (pass.bindings)(), (pass.push_shape)());
     // The declaration is part of the key: a cached shader was compared with the same one.
-    let (version, key) = ((env!("CARGO_PKG_VERSION"), spirv::REVISION), variant.key());
+    let (version, key) = ((env!("CARGO_PKG_VERSION"), spirv::REVISION, debug), variant.key());
     let identity = format!("{version:?}\n{}\n{source}\n{key}\n{bindings:?}\n{push:?}", guard::bytes());
     let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
     if let Some(words) =
@@ -90,7 +97,8 @@ fn compile_stage(pass: &Declaration, stem: &str, variant: &Variant, all_bindings
     let module = parse(stem, &source)?;
     check_declaration(stem, &module, &bindings, push.as_ref(), all_bindings)?;
     let info = validated(stem, &source, &module)?;
-    let words = spirv::correct(&generate(stem, &module, &info, &variant.overrides)?);
+    let debug_source = debug.then_some(source.as_str());
+    let words = spirv::correct(&generate(stem, &module, &info, &variant.overrides, debug_source)?);
     cache::store("spirv", &key, bytemuck::cast_slice(&words));
     Ok(words)
 }
@@ -116,7 +124,7 @@ pub fn check(pass: &Declaration, variants: &[Variant]) -> Result<(), Error> {
         check_declaration(pass.shader, &module, &(pass.bindings)(), (pass.push_shape)().as_ref(), true)?;
         let info = validated(pass.shader, &source, &module)?;
         for variant in variants {
-            generate(pass.shader, &module, &info, &variant.overrides)
+            generate(pass.shader, &module, &info, &variant.overrides, None)
                 .map_err(|cause| error(pass.shader, format!("{variant:?}: {cause}")))?;
         }
     }
@@ -139,11 +147,13 @@ fn validated(stem: &str, source: &str, module: &naga::Module) -> Result<ModuleIn
         .map_err(|e| error(stem, e.emit_to_string(source)))
 }
 
+/// SPIR-V of a module, with names and source where `debug` has the source.
 fn generate(
     stem: &str,
     module: &naga::Module,
     info: &ModuleInfo,
     overrides: &[(&'static str, f64)],
+    debug: Option<&str>,
 ) -> Result<Vec<u32>, Error> {
     let known: Vec<&str> = module.overrides.iter().filter_map(|(_, o)| o.name.as_deref()).collect();
     if let Some((name, _)) = overrides.iter().find(|(name, _)| !known.contains(name)) {
@@ -157,10 +167,17 @@ fn generate(
     let info = Validator::new(ValidationFlags::all(), Capabilities::all())
         .validate(&module)
         .map_err(|e| error(stem, e.to_string()))?;
+    let file = format!("{stem}.wgsl");
     let options = spv::Options {
         lang_version: (1, 3),
         // Without ADJUST_COORDINATE_SPACE, which would flip y.
-        flags: spv::WriterFlags::empty(),
+        flags: if debug.is_some() { spv::WriterFlags::DEBUG } else { spv::WriterFlags::empty() },
+        debug_info: debug.map(|source_code| spv::DebugInfo {
+            source_code,
+            file_name: &file,
+            // Validation layers of Vulkan 1.3.239 refuse that of WGSL, which is younger.
+            language: spv::SourceLanguage::Unknown,
+        }),
         zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
         force_loop_bounding: false,
         emit_int_div_checks: false,
@@ -178,8 +195,15 @@ pub(crate) fn to_spirv(
     corrected: bool,
 ) -> Result<Vec<u32>, Error> {
     let module = parse(stem, source)?;
-    let words = generate(stem, &module, &validated(stem, source, &module)?, overrides)?;
+    let words = generate(stem, &module, &validated(stem, source, &module)?, overrides, None)?;
     Ok(if corrected { spirv::correct(&words) } else { words })
+}
+
+/// naga's SPIR-V with names and source, without our corrections.
+#[cfg(test)]
+pub(crate) fn to_debug_spirv(stem: &str, source: &str) -> Result<Vec<u32>, Error> {
+    let module = parse(stem, source)?;
+    generate(stem, &module, &validated(stem, source, &module)?, &[], Some(source))
 }
 
 /// A shader's entry point, and its overrides, as naga sees them.

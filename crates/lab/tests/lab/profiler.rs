@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use pellucid_core::progress::{Phase, Span};
 use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
+use pellucid_engine::pipelines::{PipelineFacts, Pipelines};
 use pellucid_engine::profile::{Profile, copy_rate, histogram};
-use pellucid_gpu::PassTime;
+use pellucid_gpu::{Executable, Memory, PassTime, Submitted};
 use pellucid_scene::stored::Reads;
 use pellucid_scene::{Discs, Method};
 use pellucid_testing::{frame, perspective, scene, soup, with_device};
@@ -17,7 +18,7 @@ fn by_hand() -> Profile {
     let (ms, origin) = (Duration::from_millis, Instant::now());
     let span = |phase, begin, length| Span { phase, begin: origin + ms(begin), length: ms(length) };
     let pass = |name, gpu, invocations, bytes| PassProfile { name, gpu: ms(gpu), invocations, bytes };
-    let run = |name, gpu, start| (PassTime { name, gpu: ms(gpu), invocations: Some(64) }, ms(start));
+    let run = |name, gpu, start| (PassTime { name, gpu: ms(gpu), begin: None, invocations: Some(64) }, ms(start));
     Profile {
         device: "a device".into(),
         driver: "a driver".into(),
@@ -48,6 +49,7 @@ fn by_hand() -> Profile {
         ],
         list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
         clouds: Vec::new(),
+        pipelines: Pipelines::Unasked,
         frames: vec![
             FrameProfile {
                 passes: vec![pass("x/a", 1, None, None), pass("x/b", 5, Some(128), Some(1 << 20))],
@@ -120,6 +122,48 @@ fn the_trace_has_phases_frames_and_dispatches_where_they_happened() {
 }
 
 #[test]
+fn a_trace_says_how_its_passes_are_placed() {
+    let placing = |profile: &Profile| profile.to_trace()["otherData"]["device row"].as_str().unwrap().to_owned();
+    let mut profile = by_hand();
+    assert!(placing(&profile).ends_with("this device doesn't tell its clock"));
+    for (pass, _) in profile.frames.iter_mut().flat_map(|frame| &mut frame.timeline) {
+        pass.begin = Some(Instant::now());
+    }
+    assert!(placing(&profile).starts_with("passes at their times by the device's clock"));
+}
+
+/// The device runs nothing while the host sleeps between two submissions, whose passes lie on either side of it.
+#[test]
+fn passes_of_two_submissions_lie_apart_by_what_the_host_did_between_them() {
+    with_device(|device| {
+        let buffer = device.buffer::<u32>("numbers", 1 << 16, Memory::Device).expect("fits");
+        let submitted = || {
+            let mut recorder = device.recorder().expect("a recorder");
+            recorder.fill("test/first", buffer.all(), 1).expect("recorded");
+            recorder.fill("test/second", buffer.all(), 2).expect("recorded");
+            recorder.submit("fills").expect("submitted")
+        };
+        let before = submitted();
+        let rest = Duration::from_millis(50);
+        std::thread::sleep(rest);
+        let after = submitted();
+        let begins =
+            |submitted: &Submitted| -> Option<Vec<Instant>> { submitted.passes.iter().map(|p| p.begin).collect() };
+        let (Some(early), Some(late)) = (begins(&before), begins(&after)) else {
+            return assert!(before.passes.iter().chain(&after.passes).all(|pass| pass.begin.is_none()));
+        };
+        // Half of the time that reading both clocks takes; far less than this but on a machine that stands still.
+        let slack = Duration::from_millis(10);
+        for (submitted, begins) in [(&before, &early), (&after, &late)] {
+            let end = submitted.begin + submitted.wall;
+            assert!(begins.is_sorted(), "{begins:?}");
+            assert!(begins.iter().all(|at| *at + slack >= submitted.begin && *at <= end + slack), "{submitted:?}");
+        }
+        assert!(late[0] - early[1] + slack >= rest, "{early:?} {late:?}");
+    });
+}
+
+#[test]
 fn a_trace_without_phases_begins_with_its_first_frame() {
     let found = events(&Profile { host: Vec::new(), ..by_hand() });
     assert_eq!(found[0], (0, "frame 0".to_owned(), 0.0, 10_000.0));
@@ -169,6 +213,29 @@ fn the_table_has_least_median_and_greatest_times_and_rates() {
         assert!(table.contains(part), "{part:?} in {table}");
     }
     assert!(!pellucid_lab::profile_table(&by_hand(), None).contains("copy rate of this device"));
+}
+
+#[test]
+fn the_table_has_what_the_compiler_says_if_it_was_asked() {
+    let last_columns = |profile: &Profile| {
+        let table = pellucid_lab::profile_table(profile, Some(0.5e9));
+        let row = table.lines().find(|line| line.trim_start().starts_with("x/b")).expect("a row");
+        let columns = row.split_whitespace().skip(9).map(str::to_owned).collect::<Vec<_>>();
+        (table.contains("registers"), columns, table.contains("a device doesn't tell"))
+    };
+    let mut profile = by_hand();
+    assert_eq!(last_columns(&profile), (false, vec![], false), "nobody asked");
+    profile.pipelines = Pipelines::Untold;
+    assert_eq!(last_columns(&profile), (false, vec![], true));
+    assert_eq!(profile.to_json()["pipelines"], json!(null));
+    let statistics = [("VGPRs", 48.0), ("Spilled VGPRs", 3.0), ("LDS size", 1024.0), ("Code size", 2560.0)];
+    let statistics = statistics.map(|(name, value)| (name.to_owned(), value)).to_vec();
+    let executables = vec![Executable { name: "compute".into(), subgroup: 64, statistics }];
+    profile.pipelines = Pipelines::Told(vec![PipelineFacts { pass: "x/b", title: "x/b (A=1)".into(), executables }]);
+    // 2560 bytes are 2.5 KiB.
+    let wanted = ["48", "3", "1024", "2.5"].map(str::to_owned).to_vec();
+    assert_eq!(last_columns(&profile), (true, wanted, false));
+    assert_eq!(profile.to_json()["pipelines"][0]["code_bytes"], 2560.0);
 }
 
 #[test]

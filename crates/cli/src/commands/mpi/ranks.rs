@@ -11,7 +11,7 @@ use pellucid_gpu as gpu;
 
 use crate::commands::Error;
 use crate::commands::console::Streams;
-use crate::commands::options::{DeviceArgs, device};
+use crate::commands::options::DeviceArgs;
 
 /// Bytes of a message at most: MPI counts elements with 31 bits.
 const PIECE: usize = 1 << 30;
@@ -122,13 +122,13 @@ impl Ranks {
     /// The device of this rank: the one that is asked for, or, where the host has several GPUs, that of the rank's
     /// number on the host.
     pub fn device(&self, asked: &DeviceArgs) -> pellucid_engine::Result<gpu::Device> {
-        let mut name = asked.device.clone();
-        if name.is_none() {
+        let mut options = asked.options();
+        if options.device.is_none() {
             let (all, _) = gpu::devices(None)?;
             let gpus: Vec<_> = all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).collect();
-            name = (gpus.len() > 1).then(|| gpus[self.local % gpus.len()].index.to_string());
+            options.device = (gpus.len() > 1).then(|| gpus[self.local % gpus.len()].index.to_string());
         }
-        device(name)
+        Ok(gpu::Device::open(&options)?)
     }
 
     /// The name of its host.
