@@ -12,7 +12,7 @@
     if !any(rectangle != vec2<u32>(0u)) {
         return;
     }
-    let met = tiles_of(rectangle);
+    let met = tiles_of(rectangle, view.window.xy);
     let run = rank / push.run_length;
     var tile = met.xy;
     // A drawn splat meets a tile, so the condition may stand at the end: CPU drivers run every loop once.

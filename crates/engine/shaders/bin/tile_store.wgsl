@@ -16,9 +16,9 @@ fn own(low: u32, place: u32, period: u32) -> u32 {
     return low + (place + period - low % period) % period;
 }
 
-// One bit for each block of a tile that a rectangle meets which meets the tile.
-fn blocks_met(rectangle: vec2<u32>, tile: vec2<u32>) -> u32 {
-    let middle = view.window.xy + tile * TILE_SIDE + BLOCK_SIDE;
+// One bit for each block of a tile that a rectangle meets which meets the tile, given the tile's first pixel.
+fn blocks_met(rectangle: vec2<u32>, first: vec2<u32>) -> u32 {
+    let middle = first + BLOCK_SIDE;
     let before = (rectangle & vec2<u32>(0xffffu)) < middle;
     let behind = (rectangle >> vec2<u32>(16u)) > middle;
     let columns = select(0u, 1u, before.x) | select(0u, 2u, behind.x);
@@ -38,6 +38,8 @@ fn main(
     let block_high = min(block_low + vec2<u32>(push.block_columns, push.block_rows), vec2<u32>(push.columns, push.rows));
     let start = run * push.run_length;
     let end = min(start + push.run_length, push.count);
+    // Read once: drivers that cannot rule out that a store changes the view would load it for every splat.
+    let corner = view.window.xy;
     let place = vec2<u32>(lane % LANE_COLUMNS, lane / LANE_COLUMNS);
     for (var step = start; step < end; step += SUBGROUP) {
         let own_index = records[min(step + lane, end - 1u)].y;
@@ -47,7 +49,7 @@ fn main(
         loop {
             let rectangle = vec2<u32>(subgroupShuffle(own_rectangle.x, k), subgroupShuffle(own_rectangle.y, k));
             let index = subgroupShuffle(own_index, k);
-            let met = select(vec4<u32>(0u), tiles_of(rectangle), any(rectangle != vec2<u32>(0u)));
+            let met = select(vec4<u32>(0u), tiles_of(rectangle, corner), any(rectangle != vec2<u32>(0u)));
             let low = max(met.xy, block_low);
             let high = min(met.zw, block_high);
             let first = vec2<u32>(own(low.x, place.x, LANE_COLUMNS), own(low.y, place.y, LANE_ROWS));
@@ -60,7 +62,7 @@ fn main(
                     // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written
                     // outside.
                     if slot < arrayLength(&entries) {
-                        entries[slot] = index | blocks_met(rectangle, tile) << INDEX_BITS;
+                        entries[slot] = index | blocks_met(rectangle, corner + tile * TILE_SIDE) << INDEX_BITS;
                     }
                 }
                 tile.x += LANE_COLUMNS;
