@@ -17,7 +17,7 @@
     if !any(rectangle != vec2<u32>(0u)) {
         return;
     }
-    let met = tiles_of(rectangle);
+    let met = tiles_of(rectangle, view.window.xy);
     let tiles = push.columns * push.rows;
     // The total stands once before the counts of the first splat, as the sum of the tiles' own.
     var slot = offsets[tiles + 1u + rank] - offsets[tiles];
@@ -26,7 +26,7 @@
     loop {
         // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written outside.
         if slot < arrayLength(&pairs) {
-            pairs[slot] = vec2<u32>(tile.y * push.columns + tile.x, entry_of(index, rectangle, tile));
+            pairs[slot] = vec2<u32>(tile.y * push.columns + tile.x, entry_of(index, rectangle, view.window.xy + tile * TILE_SIDE));
         }
         slot += 1u;
         tile.x += 1u;

@@ -15,7 +15,7 @@ override PAIRS: u32 = 0u;
     if !any(rectangle != vec2<u32>(0u)) {
         return;
     }
-    let met = tiles_of(rectangle);
+    let met = tiles_of(rectangle, view.window.xy);
     if PAIRS != 0u {
         atomicStore(&counts[push.columns * push.rows + 1u + rank], (met.z - met.x) * (met.w - met.y));
     }

@@ -28,6 +28,8 @@ fn main(
     let block_high = min(block_low + vec2<u32>(push.block_columns, push.block_rows), vec2<u32>(push.columns, push.rows));
     let start = run * push.run_length;
     let end = min(start + push.run_length, push.count);
+    // Read once: drivers that cannot rule out that a store changes the view would load it for every splat.
+    let corner = view.window.xy;
     let place = vec2<u32>(lane % LANE_COLUMNS, lane / LANE_COLUMNS);
     for (var step = start; step < end; step += SUBGROUP) {
         let own_index = records[min(step + lane, end - 1u)].y;
@@ -37,7 +39,7 @@ fn main(
         loop {
             let rectangle = vec2<u32>(subgroupShuffle(own_rectangle.x, k), subgroupShuffle(own_rectangle.y, k));
             let index = subgroupShuffle(own_index, k);
-            let met = select(vec4<u32>(0u), tiles_of(rectangle), any(rectangle != vec2<u32>(0u)));
+            let met = select(vec4<u32>(0u), tiles_of(rectangle, corner), any(rectangle != vec2<u32>(0u)));
             let low = max(met.xy, block_low);
             let high = min(met.zw, block_high);
             let first = vec2<u32>(own(low.x, place.x, LANE_COLUMNS), own(low.y, place.y, LANE_ROWS));
@@ -50,7 +52,7 @@ fn main(
                     // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written
                     // outside.
                     if slot < arrayLength(&entries) {
-                        entries[slot] = entry_of(index, rectangle, tile);
+                        entries[slot] = entry_of(index, rectangle, corner + tile * TILE_SIDE);
                     }
                 }
                 tile.x += LANE_COLUMNS;

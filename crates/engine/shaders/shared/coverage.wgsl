@@ -23,6 +23,10 @@ struct Lens {
     orthographic: bool,
 }
 
+// That of stages that go through tiles, which read it before their loops: CPU drivers would load each number again for
+// every splat, one lane after the other. shared/hand_over and shared/region_fold set it.
+var<private> tile_lens: Lens;
+
 fn lens_of_view() -> Lens {
     return Lens(middle_of_image(), view.focal.x, view.eye_hi.w, view.orthographic != 0u);
 }
@@ -88,12 +92,11 @@ fn moved_depth(splat: Splat, squared: f32, lens: Lens) -> f32 {
 }
 
 fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Coverage {
-    return cover_from(splat, tilt, whole_to(splat, pixel), pixel);
+    return cover_from(splat, tilt, whole_to(splat, pixel), pixel, lens_of_view());
 }
 
-// The same where the way from the center's pixel is known.
-fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>) -> Coverage {
-    let lens = lens_of_view();
+// The same where the way from the center's pixel is known, and the lens.
+fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>, lens: Lens) -> Coverage {
     let offset = offset_of(splat, whole, pixel);
     let in_center = contains(whole, offset);
     if SHAPE == SHAPE_POINT {

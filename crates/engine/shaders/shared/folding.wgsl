@@ -75,7 +75,7 @@ struct Fragment {
 
 // In the invocation's pixel, `further` along from its first one.
 fn fragment_of(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> Fragment {
-    let coverage = cover_from(h.splat, h.tilt, h.whole + vec2<f32>(further), pixel);
+    let coverage = cover_from(h.splat, h.tilt, h.whole + vec2<f32>(further), pixel, tile_lens);
     let hit = coverage.hit;
     var c = h.color;
     c.a = select(0.0, fallen(h.splat, c.a, coverage.rho), hit);

@@ -123,6 +123,7 @@ fn main(
         run = run_of(tile);
         idle = is_idle(run);
     }
+    tile_lens = lens_of_view();
     let base = select(member * PICKED, 0u, TEAM == 1u);
     var count = 0u;
     if !idle {

@@ -39,7 +39,7 @@ fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
 }
 
 fn covers(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> bool {
-    return cover_from(h.splat, no_tilt(), h.whole + vec2<f32>(further), pixel).hit;
+    return cover_from(h.splat, no_tilt(), h.whole + vec2<f32>(further), pixel, tile_lens).hit;
 }
 
 fn show(number: u32, h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> u32 {

@@ -12,9 +12,9 @@ fn rectangle_of(index: u32) -> vec2<u32> {
     return select(vec2<u32>(0u), bounds[min(index, arrayLength(&bounds) - 1u)], index < arrayLength(&bounds));
 }
 
-// First column and row of tiles that a rectangle meets, and one past the last ones.
-fn tiles_of(rect: vec2<u32>) -> vec4<u32> {
-    let low = (vec2<u32>(rect.x & 0xffffu, rect.y & 0xffffu) - view.window.xy) / TILE_SIDE;
-    let high = (vec2<u32>(rect.x >> 16u, rect.y >> 16u) - 1u - view.window.xy) / TILE_SIDE + 1u;
+// First column and row of tiles that a rectangle meets, and one past the last ones; tiles start at `corner`.
+fn tiles_of(rect: vec2<u32>, corner: vec2<u32>) -> vec4<u32> {
+    let low = (vec2<u32>(rect.x & 0xffffu, rect.y & 0xffffu) - corner) / TILE_SIDE;
+    let high = (vec2<u32>(rect.x >> 16u, rect.y >> 16u) - 1u - corner) / TILE_SIDE + 1u;
     return vec4<u32>(low, high);
 }
