@@ -1,4 +1,5 @@
-// peel/nearest, peel/nearest-depth, peel/nearest-id: the smallest rank of each pixel among the fragments that are left.
+// peel/nearest, peel/nearest-depth, peel/nearest-id: the smallest ranks of each pixel among the fragments that are
+// left, as many as it has slots.
 // Reference: reference::peel::next.
 #import peel
 #piece

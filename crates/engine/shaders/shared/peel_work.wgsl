@@ -1,7 +1,7 @@
 // How far peeling is.
 struct PeelWork {
-    // 1 if the layer in work has a fragment anywhere; 0 at its start.
+    // The most layers of a pixel that the walk in work found; 0 at its start.
     found: atomic<u32>,
-    // Layers that had one.
+    // Layers of all walks before.
     layers: u32,
 }

@@ -207,6 +207,8 @@ pub struct Switches {
     pub epoch_bits: u32,
     /// Layers after which `peel` gives up.
     pub max_layers: u32,
+    /// Layers that a walk of `peel` finds at most: 1, 2, 4 or 8.
+    pub layers_of_a_walk: u32,
 }
 
 impl Switches {
@@ -218,6 +220,7 @@ impl Switches {
             together: true,
             epoch_bits: 31,
             max_layers: MAX_LAYERS,
+            layers_of_a_walk: 8,
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use super::image_space::{self, DeliverPush, Emptied, FilterJob, Filterer, Filtering};
 use super::own::FamilyBuffers;
-use super::peel::{Next, PeelWork};
+use super::peel::{Next, PeelWork, next_variant};
 use crate::methods::prelude::*;
 use crate::passes::project::points_dispatch;
 use crate::scene::PeelLayers;
@@ -165,7 +165,11 @@ impl LayerPeeler {
                 images.record_points(&mut recorder, &job.image, (limits, Some(dispatches.emptied())))?;
                 // A layer without a point empties its own filters too.
                 let next = Next { work: images.work.all(), arguments: dispatches.all };
-                recorder.run(&next, (), &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
+                recorder.run(
+                    &next,
+                    (),
+                    &Run::new(Dispatch::Groups(1)).label("peel-layers/next").variant(next_variant(1)),
+                )?;
                 images.record_image(&mut recorder, &job.image, cut, Some(dispatches.emptied()))?;
                 let shown = job.only.is_none_or(|only| number + 1 == only);
                 self.record_blend(&mut recorder, job, target, shown)?;

@@ -29,12 +29,8 @@ pub(super) fn walker(device: &Device, raster: Raster, window: Window) -> Result<
 /// The hardware rasterizer was requested and isn't supported.
 pub(super) fn sampling_walker(device: &Device, raster: Raster, window: Window) -> Result<Walker, Error> {
     let info = device.info();
-    match raster {
-        Raster::Hardware => {}
-        // Compute was the faster path wherever both were measured (docs/measuring.md), except on devices without
-        // shuffles.
-        Raster::Auto if info.subgroup.is_none() && info.multisampled.is_some() => {}
-        Raster::Auto | Raster::Compute => return walker(device, Raster::Compute, window),
+    if !samples_by_rasterizer(raster, info.subgroup.is_some(), info.multisampled.is_some()) {
+        return walker(device, Raster::Compute, window);
     }
     let [width, height] = [window[2] - window[0], window[3] - window[1]];
     match info.multisampled {
@@ -43,6 +39,29 @@ pub(super) fn sampling_walker(device: &Device, raster: Raster, window: Window) -
     }
 }
 
+/// Returns `true` if samples are drawn by the rasterizer. Compute was the faster path wherever both were measured
+/// (docs/measuring.md), by far on GPUs for data centers (docs/limits.md); it can't be had without subgroups.
+fn samples_by_rasterizer(raster: Raster, has_subgroups: bool, can_rasterize: bool) -> bool {
+    raster == Raster::Hardware || (raster == Raster::Auto && !has_subgroups && can_rasterize)
+}
+
 fn refused<T>(device: &Device, needed: String) -> Result<T, Error> {
     Err(Error::NoHardwareRaster { device: device.info().name.clone(), needed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn auto_takes_the_rasterizer_only_where_compute_cannot_be_had() {
+        for can_rasterize in [false, true] {
+            assert!(!samples_by_rasterizer(Raster::Auto, true, can_rasterize));
+            assert_eq!(samples_by_rasterizer(Raster::Auto, false, can_rasterize), can_rasterize);
+            for has_subgroups in [false, true] {
+                assert!(!samples_by_rasterizer(Raster::Compute, has_subgroups, can_rasterize));
+                assert!(samples_by_rasterizer(Raster::Hardware, has_subgroups, can_rasterize));
+            }
+        }
+    }
 }

@@ -7,6 +7,7 @@ use pellucid_gpu::Device;
 use pellucid_reference as reference;
 use pellucid_reference::View;
 use pellucid_scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Peel, Raster, Shading, ShadingModel};
+use pellucid_testing::gaussians::Soup;
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 
@@ -167,6 +168,108 @@ fn stacks_over_many_batches_equal_the_reference() {
                     }
                 }
             }
+        }
+    });
+}
+
+/// Walks that were not empty.
+fn walks(rendered: &Rendered) -> usize {
+    let walks = rendered.profile.timeline.iter().filter(|(pass, _)| pass.name == "peel/blend");
+    walks.filter(|(pass, _)| pass.invocations.is_some_and(|invocations| invocations > 0)).count()
+}
+
+#[test]
+fn a_walk_of_k_layers_needs_one_kth_of_the_walks() {
+    with_device(|device| {
+        if !device.info().int64_atomics || !device.info().pipeline_statistics {
+            return;
+        }
+        for n in [1usize, 7, 8, 9, 30] {
+            let mut layers: Vec<_> = (0..n).map(|i| (1.0 + i as f64, Vec3::X, 0.05)).collect();
+            layers.shuffle(&mut random(n as u64));
+            let points = scene(&layered(&layers));
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            let mut cloud = renderer.upload(&points).expect("fits");
+            for k in [1, 2, 4, 8] {
+                renderer.switches.layers_of_a_walk = k as u32;
+                // The walk that finds fewer than k layers is the last one.
+                let all = renderer.render(&mut cloud, &pixel(all_layers())).expect("renders");
+                assert_eq!((all.facts.layers, walks(&all)), (n as u32, n / k + 1), "{n} layers, {k} in a walk");
+                // Of those that are asked for none is empty, unless there are fewer. A walk finds no more than that.
+                for asked in [1, 3, n] {
+                    let some = renderer.render(&mut cloud, &pixel(peel(Discs::default(), asked as u32)));
+                    let some = some.expect("renders");
+                    let slots = k.min(asked.next_power_of_two());
+                    let wanted = if asked <= n { asked.div_ceil(slots) } else { n / slots + 1 };
+                    assert_eq!((some.facts.layers as usize, walks(&some)), (asked.min(n), wanted), "{n}, {k}, {asked}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn layers_of_a_walk_change_no_byte() {
+    with_device(|device| {
+        // Ties, splats that are walked tile by tile, opaque points in front of others, and Gaussians whose lists end.
+        let mut tied = soup(51, 1500, 0.0..0.2, 0.1..1.1, true);
+        for p in &mut tied {
+            p.position = (p.position * 4.0).round() / 4.0;
+            p.opacity = p.opacity.min(1.0);
+        }
+        tied.extend(soup(52, 20, 0.5..3.0, 0.1..0.3, true));
+        let subjects = [scene(&tied), Soup { count: 400, ..Soup::default() }.points()];
+        for raster in RASTERS {
+            for (points, shape) in subjects.iter().zip([DiscShape::Oriented, DiscShape::Flat]) {
+                let discs = Discs { shape, raster, falloff: Falloff::Gaussian, ..Discs::default() };
+                for layers in [0, 3, 8, 13] {
+                    let frame = frame(perspective(), [70, 50], peel(discs, layers));
+                    let mut renderer = Renderer::new(device).expect("a renderer");
+                    let mut cloud = renderer.upload(points).expect("fits");
+                    let mut images = [1, 2, 4, 8].map(|layers_of_a_walk| {
+                        renderer.switches.layers_of_a_walk = layers_of_a_walk;
+                        renderer.render(&mut cloud, &frame).expect("renders")
+                    });
+                    let last = images.last_mut().expect("four");
+                    assert!(layers != 0 || last.facts.layers > 16, "{} layers", last.facts.layers);
+                    for image in &images[..3] {
+                        assert!(bits(&image.image) == bits(&images[3].image), "{raster:?}, {layers} layers");
+                        assert_eq!(image.image.layers, images[3].image.layers);
+                        assert_eq!(image.facts.layers, images[3].facts.layers);
+                    }
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_tight_budget_has_fewer_layers_of_a_walk_and_the_same_bytes() {
+    with_device(|device| {
+        if !device.info().int64_atomics || !device.info().pipeline_statistics {
+            return;
+        }
+        let n = 21;
+        let points = scene(&layered(&(0..n).map(|i| (1.0 + i as f64, Vec3::Y, 0.05)).collect::<Vec<_>>()));
+        let mut frame = frame(pixel_camera([32, 32]), [32, 32], all_layers());
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&points).expect("fits");
+        let whole = renderer.render(&mut cloud, &frame).expect("renders");
+        // A quarter of the budget holds 8 + 8 + 8 k bytes of each of 1024 pixels, or just not.
+        let exactly = |k: u64| 4 * 1024 * (16 + 8 * k);
+        for (budget, wanted) in [
+            (exactly(1), 22),
+            (exactly(2) - 1, 22),
+            (exactly(2), 11),
+            (exactly(4) - 1, 11),
+            (exactly(4), 6),
+            (exactly(8) - 1, 6),
+            (exactly(8), 3),
+        ] {
+            frame.memory_budget = Some(budget);
+            let found = renderer.render(&mut cloud, &frame).expect("renders");
+            assert!(bits(&found.image) == bits(&whole.image), "{budget}");
+            assert_eq!((found.facts.windows, walks(&found)), (1, wanted), "{budget} bytes");
         }
     });
 }

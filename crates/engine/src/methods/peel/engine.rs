@@ -1,6 +1,6 @@
 //! The engine of `peel`.
 
-use super::{PeelJob, Peeler, pixel_bytes};
+use super::{PeelJob, Peeler, pixel_bytes, slots};
 use crate::methods::engine::Fragments;
 use crate::methods::prelude::*;
 use crate::methods::projecting;
@@ -32,7 +32,8 @@ impl Engine for PeelEngine {
         }
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let (counted, switches) = (work.frame.fragments, work.switches);
-        let job = PeelJob { raster, peel, counted, wide: switches.wide_atomics, limit: switches.max_layers };
+        let (wide, slots) = (switches.wide_atomics, slots(work, peel.layers));
+        let job = PeelJob { raster, peel, counted, wide, slots, limit: switches.max_layers };
         let peeler = resources.own.of::<Peeler>(work.device)?;
         if work.survey {
             peeler.survey(work, &job)?;
@@ -79,7 +80,7 @@ impl Explain for PeelEngine {
         let reason = plan.if_seen(format!("{why}; {until}"));
         plan.nearest(NEAREST, seen, &reason);
         plan.add("peel/blend", true, "blends each layer behind those before it");
-        plan.add("peel/next", true, "the first layer without fragments ends the peeling");
+        plan.add("peel/next", true, "a walk that finds fewer layers than it could ends the peeling");
         plan.add("peel/summary", true, "after each batch of layers the host checks whether more are left");
     }
 }
