@@ -68,6 +68,7 @@ mod passes_page;
 pub mod plan;
 pub mod profile;
 mod shaders;
+pub mod totals;
 
 pub use error::{Error, Result};
 pub(crate) use fields::fields;

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use crate::gpu::{self, Compilation, Device, Memory};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
 use crate::progress::{Phase, Span};
+use crate::totals::Totals;
 
 /// Frames of one scene on one device.
 #[derive(Debug, Clone)]
@@ -43,6 +44,8 @@ pub struct Profile {
     pub host: Vec<Span>,
     /// The frames.
     pub frames: Vec<FrameProfile>,
+    /// Times of more frames at a steady clock, without any other work between them; `None` unless they were measured.
+    pub totals: Option<Totals>,
 }
 
 impl Profile {
@@ -64,6 +67,7 @@ impl Profile {
             clouds: Vec::new(),
             host: Vec::new(),
             frames: Vec::new(),
+            totals: None,
         }
     }
 
@@ -119,6 +123,9 @@ impl Profile {
             "host": self.host_json(),
             "frames": frames,
         });
+        if let Some(totals) = &self.totals {
+            whole["totals"] = totals.to_json();
+        }
         if let Some(adjusted) = &self.facts.adjusted {
             whole["ensembles"] = adjusted.to_json(&self.clouds);
         }

@@ -44,4 +44,5 @@ mod stochastic_hardware;
 mod stored;
 mod supplied;
 mod together;
+mod totals;
 mod waits;

@@ -68,6 +68,7 @@ fn by_hand() -> Profile {
                 waits: 1,
             },
         ],
+        totals: None,
     }
 }
 
