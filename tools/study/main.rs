@@ -44,9 +44,12 @@ struct Args {
     /// Wanted mean lists of the covered pixels.
     #[arg(long, value_delimiter = ',', default_value = "5,15,50,150,500", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     means: Vec<u32>,
-    /// Frames behind a median.
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    /// Frames behind a median: at most so many, of 2 s.
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1000))]
     frames: u64,
+    /// Milliseconds of frames before those: clocks of GPUs take a while to rise.
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u64).range(..=10_000))]
+    warm_up_ms: u64,
     /// Ends after about so many minutes, which all scenes and means share; what is missing is measured by the next run.
     #[arg(long, value_name = "N", value_parser = minutes)]
     budget_minutes: Option<f64>,

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use pellucid_core::progress::Progress;
 use pellucid_engine::methods::Renderer;
+use pellucid_engine::totals::Effort;
 use pellucid_engine::{Error, Result};
 use pellucid_gpu::{self as gpu, DeviceOptions};
 use pellucid_lab::report::tradeoff::method_by_method;
@@ -18,6 +19,8 @@ use crate::scenes::{self, Base, Fitted};
 
 /// A ladder ends at a step that takes so many times as long as the fastest exact setting.
 const TOO_SLOW: f64 = 4.0;
+/// Measurements of a setting until the device's clock holds.
+const TRIES: usize = 3;
 
 /// Measures all scenes and means that are asked for, and not in the file yet.
 pub fn run(args: &Args, folder: &Path) -> Result<()> {
@@ -49,8 +52,10 @@ pub fn run(args: &Args, folder: &Path) -> Result<()> {
         };
         // The rest of the time is shared by the rest of the cases.
         let share = end.map(|end| end.saturating_duration_since(Instant::now()) / (cases.len() - number) as u32);
-        let part =
-            Part { frames: args.frames as usize, end: share.and_then(|share| Instant::now().checked_add(share)) };
+        let warm_up = Duration::from_millis(args.warm_up_ms);
+        let effort = Effort { frames: args.frames as usize, warm_up, ..Effort::RELIABLE };
+        let end = share.and_then(|share| Instant::now().checked_add(share));
+        let part = Part { effort, tries: TRIES, end };
         let fitted = base.fit(&device, *target);
         match fitted.and_then(|fitted| fitted.map(|fitted| measure(&device, base, &fitted, part, &mut log)).transpose())
         {
@@ -86,7 +91,9 @@ fn load<'a>(bases: &'a mut Vec<Option<Base>>, scene: &str, target: u32, args: &A
 /// Limits on the measurement of a case.
 #[derive(Debug, Clone, Copy)]
 struct Part {
-    frames: usize,
+    effort: Effort,
+    /// Measurements of a setting until the device's clock holds.
+    tries: usize,
     end: Option<Instant>,
 }
 
@@ -114,11 +121,16 @@ fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: 
             Some(row) => Some(row),
             None if ladders.is_over(setting) => None,
             None => {
-                let found = trials.measure(setting, part.frames, ladders.most())?.map(|found| row(key, found));
-                if let Some(row) = &found {
+                let found = steady(|| trials.measure(setting, part.effort, ladders.most()), part.tries)?;
+                if found.is_some_and(|found| !found.is_steady) {
+                    println!("{scene}: {key} is left for the next run, since the device's clock moved");
+                    is_whole = false;
+                }
+                let found = found.map(|found| (found.is_steady, row(key, found)));
+                if let Some((true, row)) = &found {
                     log.row(scene, target, row.clone())?;
                 }
-                found
+                found.map(|(_, row)| row)
             }
         };
         if let Some(row) = row {
@@ -134,7 +146,19 @@ fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: 
     Ok(())
 }
 
-fn row(key: String, TrialResult { figures, peak_device_bytes }: TrialResult) -> Row {
+/// The first measurement during which the device's clock held, else the last of so many.
+fn steady(mut measure: impl FnMut() -> Result<Option<TrialResult>>, tries: usize) -> Result<Option<TrialResult>> {
+    let mut found = measure()?;
+    for _ in 1..tries {
+        if found.is_none_or(|found| found.is_steady) {
+            break;
+        }
+        found = measure()?;
+    }
+    Ok(found)
+}
+
+fn row(key: String, TrialResult { figures, peak_device_bytes, .. }: TrialResult) -> Row {
     Row(key, rounded(figures.rmse), rounded(figures.gpu_ms), peak_device_bytes)
 }
 
@@ -171,8 +195,32 @@ mod tests {
     use pellucid_core::points::Points;
     use pellucid_scene::Discs;
     use pellucid_session::candidates::{Formation, Occasion, settings};
+    use pellucid_session::choice::Figures;
 
     use super::*;
+
+    #[test]
+    fn a_setting_is_measured_until_the_clock_holds() {
+        let result = |is_steady: bool, gpu_ms: f64| {
+            let figures = Figures { rmse: 0.0, gpu_ms };
+            Some(TrialResult { figures, peak_device_bytes: 1, is_steady })
+        };
+        let of = |held: &[bool]| {
+            let mut number = 0;
+            let found = steady(
+                || {
+                    number += 1;
+                    Ok(result(held[number - 1], number as f64))
+                },
+                3,
+            );
+            (found.unwrap(), number)
+        };
+        assert_eq!(of(&[true]), (result(true, 1.0), 1));
+        assert_eq!(of(&[false, false, true]), (result(true, 3.0), 3));
+        assert_eq!(of(&[false, false, false]), (result(false, 3.0), 3));
+        assert_eq!(steady(|| Ok(None), 3).unwrap(), None, "what can't be rendered is not tried again");
+    }
 
     #[test]
     fn a_ladder_ends_where_it_is_too_slow() {

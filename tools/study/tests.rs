@@ -41,7 +41,20 @@ fn a_scene_is_measured_once_and_a_page_made_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let measured = path("measured");
-    let words = ["-o", &measured, "--only", "stack", "--size", "24x16", "--means", "5,15", "--frames", "1"];
+    let words = [
+        "-o",
+        &measured,
+        "--only",
+        "stack",
+        "--size",
+        "24x16",
+        "--means",
+        "5,15",
+        "--frames",
+        "1",
+        "--warm-up-ms",
+        "0",
+    ];
     // No time: the file of the device alone.
     studied(&[&words[..], &["--budget-minutes", "0"]].concat()).unwrap();
     let studies = |folder: &str| -> Vec<Study> { read_all(Path::new(folder)).unwrap() };

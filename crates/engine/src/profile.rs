@@ -10,6 +10,7 @@ use crate::gpu::{self, Compilation, Device, Memory};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
 use crate::pipelines::Pipelines;
 use crate::progress::{Phase, Span};
+use crate::totals::Totals;
 
 /// Frames of one scene on one device.
 #[derive(Debug, Clone)]
@@ -46,6 +47,8 @@ pub struct Profile {
     pub frames: Vec<FrameProfile>,
     /// Facts of the driver's compiler about the pipelines.
     pub pipelines: Pipelines,
+    /// Times of more frames at a steady clock, without any other work between them; `None` unless they were measured.
+    pub totals: Option<Totals>,
 }
 
 impl Profile {
@@ -68,6 +71,7 @@ impl Profile {
             host: Vec::new(),
             frames: Vec::new(),
             pipelines: Pipelines::default(),
+            totals: None,
         }
     }
 
@@ -123,6 +127,9 @@ impl Profile {
             "host": self.host_json(),
             "frames": frames,
         });
+        if let Some(totals) = &self.totals {
+            whole["totals"] = totals.to_json();
+        }
         if let Some(adjusted) = &self.facts.adjusted {
             whole["ensembles"] = adjusted.to_json(&self.clouds);
         }

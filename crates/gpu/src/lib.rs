@@ -8,6 +8,7 @@ mod agree;
 mod barriers;
 mod buffer;
 pub mod cache;
+mod calibration;
 mod clock;
 mod compiled;
 mod context;
@@ -35,6 +36,7 @@ mod surface;
 
 pub use agree::{Agree, Expected};
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
+pub use calibration::{Calibration, Spin, SpinPush, Yardstick};
 pub use compiled::{Compiled, Executable};
 pub use device::{Device, ValidationLog, devices};
 pub use error::Error;
@@ -68,5 +70,5 @@ pub static SHADERS: shader::Sources = shader::Sources {
 
 /// Returns the device layer's own passes, with all their variants.
 pub fn shaders() -> Vec<shader::Shader> {
-    vec![shader::Shader::plain::<Agree>(), shader::Shader::plain::<Foresee>()]
+    vec![shader::Shader::plain::<Agree>(), shader::Shader::plain::<Foresee>(), shader::Shader::plain::<Spin>()]
 }

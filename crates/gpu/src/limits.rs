@@ -107,6 +107,13 @@ pub struct DeviceInfo {
     pub(super) rank: u32,
 }
 
+impl DeviceInfo {
+    /// Returns `true` if the driver runs on the CPU, whose cores other programs use as well.
+    pub fn is_cpu(&self) -> bool {
+        self.kind == "CPU"
+    }
+}
+
 /// Returns the index of a queue family for compute and graphics with timestamps.
 pub(super) fn queue_family(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<u32> {
     // SAFETY: a plain query on a live instance.

@@ -6,6 +6,7 @@ use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use pellucid_engine::methods::FrameProfile;
 use pellucid_engine::pipelines::{Pipelines, Shape};
 use pellucid_engine::profile::{self, Profile, median};
+use pellucid_engine::totals::Totals;
 
 /// The per-pass table over all frames: least, median and greatest device time, share of the frame, and bytes moved.
 ///
@@ -85,6 +86,7 @@ fn foot(profile: &Profile, copy_rate: Option<f64>) -> String {
             profile::median(whole)
         ));
     }
+    lines.extend(profile.totals.as_ref().map(Totals::line));
     lines.push(format!(
         "device memory: peak {}, fragments {} in {} band(s)",
         bytesize::ByteSize(profile.facts.peak_device_bytes),

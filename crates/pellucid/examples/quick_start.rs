@@ -6,7 +6,7 @@ const SCAN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/lidar/
 
 pub(crate) fn main() -> pellucid::Result<()> {
     let scene = Scene::read(SCAN)?;
-    let picture = Renderer::open()?.load(&scene)?.frame().method(Method::ABuffer).render()?;
+    let picture = Renderer::open()?.load(&scene)?.frame().method(Method::ABuffer).timed().render()?;
     picture.save(std::env::temp_dir().join("pellucid-quick-start.png"))?;
     for pass in picture.profile().passes() {
         println!("{:<22} {:?}", pass.name, pass.time);

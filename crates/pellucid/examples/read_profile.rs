@@ -10,7 +10,7 @@ pub(crate) fn main() -> Result<()> {
     scene.set("image.size", [400, 400])?;
 
     let renderer = Renderer::open()?;
-    let picture = renderer.load(&scene)?.frame().method(Method::ABuffer).counts().render()?;
+    let picture = renderer.load(&scene)?.frame().method(Method::ABuffer).counts().timed().render()?;
     let profile = picture.profile();
     for pass in profile.passes() {
         let rate =

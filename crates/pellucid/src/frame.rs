@@ -20,6 +20,7 @@ pub struct FrameBuilder<'a> {
     method: Option<Method>,
     largest_rmse: Option<f64>,
     longest_time: Option<Duration>,
+    timed: bool,
 }
 
 /// Samples of each pixel's area.
@@ -63,6 +64,7 @@ impl<'a> FrameBuilder<'a> {
             method: None,
             largest_rmse: None,
             longest_time: None,
+            timed: false,
         }
     }
 
@@ -134,6 +136,12 @@ impl<'a> FrameBuilder<'a> {
         self
     }
 
+    /// Times each pass and counts its invocations ([`Profile::passes`]). Timestamps keep passes apart that may run at
+    /// the same time, so the frame takes a little longer.
+    pub fn timed(self) -> Self {
+        Self { timed: true, ..self }
+    }
+
     /// Multiplies all radii and all opacities by factors, each at least 0.
     pub fn factors(mut self, radius: f32, opacity: f32) -> Self {
         self.frame.factors.radius = radius;
@@ -148,7 +156,7 @@ impl<'a> FrameBuilder<'a> {
     /// and target coincide, `up` along the view, a wrong angle), for a frame that does not fit in the device or the
     /// budget, if the device fails, and if an observer canceled the work.
     pub fn render(self) -> Result<Picture> {
-        let Self { loaded, frame, camera, size, samples, method, largest_rmse, longest_time } = self;
+        let Self { loaded, frame, camera, size, samples, method, largest_rmse, longest_time, timed } = self;
         let Loaded { session, scene, watcher } = loaded;
         let mut request = scene.request()?;
         if let Some(method) = method {
@@ -182,6 +190,7 @@ impl<'a> FrameBuilder<'a> {
         request.choice.wish.max_error = largest_rmse;
         request.choice.wish.budget_ms = longest_time.map(|time| time.as_secs_f64() * 1e3);
         request.choice.only = method.filter(|method| *method != Method::Auto).map(|method| method.name().to_owned());
+        session.renderer.timed = timed;
         if session.update(request, watcher, &watcher.progress()).map_err(of_engine)? {
             session.warn(watcher);
         }

@@ -45,7 +45,7 @@
 //! let renderer = Renderer::open()?;
 //! let mut loaded = renderer.load(&scene)?;
 //! let camera = Camera::look_at([0.0, 0.0, 8.0], [0.0; 3], [0.0, 1.0, 0.0]).orthographic(2.0);
-//! let picture = loaded.frame().camera(camera).render()?;
+//! let picture = loaded.frame().camera(camera).timed().render()?;
 //!
 //! assert!(picture.pixels().iter().all(|[.., a]| (a - (1.0 - 0.75f32.powi(3))).abs() < 1e-6));
 //! for pass in picture.profile().passes() {

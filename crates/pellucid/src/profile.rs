@@ -22,15 +22,16 @@ pub struct Pass {
 }
 
 impl Profile {
-    /// Returns the passes in the order of their first run.
+    /// Returns the passes in the order of their first run; none unless they were timed
+    /// ([`FrameBuilder::timed`](crate::FrameBuilder::timed)).
     pub fn passes(&self) -> Vec<Pass> {
         let passes = self.0.frames.iter().flat_map(|frame| &frame.passes);
         passes.map(|p| Pass { name: p.name, time: p.gpu, invocations: p.invocations, bytes: p.bytes }).collect()
     }
 
-    /// Returns the time that all passes took on the device.
+    /// Returns the time that the frame took on the device.
     pub fn device_time(&self) -> Duration {
-        self.0.frames.iter().map(|frame| frame.gpu()).sum()
+        self.0.frames.iter().map(|frame| frame.device()).sum()
     }
 
     /// Returns the time from the first submission to the picture in host memory.

@@ -54,6 +54,25 @@ fn a_camera_follows_a_path() {
 }
 
 #[test]
+fn passes_are_timed_where_asked_for() {
+    run(|| {
+        let cloud = crate::Cloud::from_positions([[0.0; 3], [1.0; 3]]).radius(1.0).opacity(0.5).build()?;
+        let mut scene = crate::Scene::from_clouds([cloud])?;
+        scene.set("image.size", [16, 16])?;
+        let mut loaded = crate::Renderer::open()?.load(&scene)?;
+        for timed in [false, true, false] {
+            let builder = loaded.frame().method(crate::Method::ABuffer);
+            let picture = if timed { builder.timed() } else { builder }.render()?;
+            let profile = picture.profile();
+            assert_eq!(profile.passes().iter().any(|pass| pass.name == "abuffer/store"), timed);
+            assert_eq!(profile.passes().is_empty(), !timed);
+            assert!(!profile.device_time().is_zero(), "the whole frame is timed in any case");
+        }
+        Ok(())
+    });
+}
+
+#[test]
 fn the_methods_are_those_of_a_scene_file() {
     let mut names: Vec<_> = crate::Method::ALL.iter().map(|method| method.name()).collect();
     let mut known = pellucid_scene::METHODS.to_vec();

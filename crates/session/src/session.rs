@@ -16,7 +16,8 @@ use pellucid_engine::methods::{DrawnPart, Error as FrameError, Frame, PassProfil
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::plan;
 use pellucid_engine::profile::{self, Profile};
-use pellucid_gpu::Device;
+use pellucid_engine::totals::{self, Effort, Totals};
+use pellucid_gpu::{Device, Yardstick};
 use pellucid_io::output::WriteOptions;
 use pellucid_io::peak_memory;
 use pellucid_scene::stored::Stored;
@@ -401,6 +402,18 @@ impl Session {
     /// Returns the errors of [`Self::render`].
     pub fn render_whole(&mut self) -> Result<Rendered> {
         self.render_by(Renderer::render_whole)
+    }
+
+    /// Measures the session's frame at a steady clock ([`totals::measure`]).
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::render`], and an error if the device has no room for the calibration.
+    pub fn totals(&mut self, effort: Effort) -> Result<Totals> {
+        let yardstick = Yardstick::new(&self.device)?;
+        let frame = self.frame;
+        let found = totals::measure(&mut self.renderer, &mut self.uploaded.cloud, &frame, Some(&yardstick), effort)?;
+        self.device.check_validation()?;
+        Ok(found)
     }
 
     fn render_by(&mut self, render: Render) -> Result<Rendered> {

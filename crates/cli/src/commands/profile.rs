@@ -6,6 +6,7 @@ use clap::Args;
 use pellucid_core::camera::StatedCamera;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::pipelines::Pipelines;
+use pellucid_engine::totals::Effort;
 use pellucid_engine::{Result, profile};
 use pellucid_gpu::DeviceOptions;
 use pellucid_session::{FrameRequest, Measuring, Prepared, Request, Session};
@@ -37,6 +38,9 @@ pub struct ProfileArgs {
     #[command(flatten)]
     pub along: PathArgs,
     /// Measure frames whose counts are foreseen, as those of a window or a film.
+    ///
+    /// `totals` has the times of 30 more of them, or of so many as --frames says, without timestamps between passes and
+    /// after 0.3 s of warm-up; those of a device whose clock moved meanwhile are marked and must not be used.
     ///
     /// Such a frame waits for the device once at most. Without this option each frame waits for its own counts, as a
     /// single picture does. Frames of clouds that stay in their files, of pictures in several parts, and frames longer
@@ -70,6 +74,12 @@ impl ProfileArgs {
             self.measure.profile = Some(output);
         }
         &self.measure
+    }
+
+    /// Length of the measurement at a steady clock: as many frames as are asked for, if any are.
+    fn effort(&self) -> Effort {
+        let frames = self.frames.map_or(Effort::RELIABLE.frames, |frames| frames as usize);
+        Effort { frames, ..Effort::RELIABLE }
     }
 
     /// Reads the inputs, and finds the camera of each frame.
@@ -146,6 +156,9 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
             measured.add(number, camera, None, &session, &rendered);
         }
         progress.inc(1);
+    }
+    if args.steady && !moves {
+        profile.totals = Some(session.totals(args.effort())?);
     }
     session.add_phases(&mut profile);
     if args.pipelines {

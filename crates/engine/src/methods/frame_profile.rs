@@ -28,8 +28,8 @@ pub struct FrameProfile {
     pub timeline: Vec<(PassTime, Duration)>,
     /// Time from the first submission to the end of the last one's wait, without the host's work between them.
     pub submitted: Duration,
-    /// Device time of the submissions, each from its beginning to its end; `None` unless it was asked for
-    /// ([`Renderer::render_whole`](super::Renderer::render_whole)).
+    /// Device time of the submissions, each from its beginning to its end; `None` where the passes were timed
+    /// ([`Renderer::timed`](super::Renderer::timed)), which keeps them apart.
     pub total: Option<Duration>,
     /// Time from the first submission to the end of the last read-back.
     pub wall: Duration,
@@ -41,6 +41,11 @@ impl FrameProfile {
     /// Returns `true` if the starts of all passes are those that the device tells by its own clock.
     pub fn is_calibrated(&self) -> bool {
         self.timeline.iter().all(|(pass, _)| pass.begin.is_some())
+    }
+
+    /// Returns the device time of the frame: as a whole if that was found, else that of all passes.
+    pub fn device(&self) -> Duration {
+        self.total.unwrap_or_else(|| self.gpu())
     }
 
     /// Returns device time of all passes.

@@ -45,4 +45,5 @@ mod stored;
 mod supplied;
 mod tile_pairs;
 mod together;
+mod totals;
 mod waits;

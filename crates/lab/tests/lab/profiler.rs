@@ -70,6 +70,7 @@ fn by_hand() -> Profile {
                 waits: 1,
             },
         ],
+        totals: None,
     }
 }
 

@@ -31,10 +31,12 @@ impl Lists {
 /// The measurements of a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrialResult {
-    /// Error, and the median time of the frames behind it.
+    /// Error, and the median time of the frames behind it, each as a whole.
     pub figures: Figures,
     /// Largest number of device bytes at any time of a frame, cloud and image included.
     pub peak_device_bytes: u64,
+    /// `false` if the device's clock moved while the frames were measured: their time must not be used.
+    pub is_steady: bool,
 }
 
 #[cfg(test)]

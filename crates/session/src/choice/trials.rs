@@ -1,6 +1,7 @@
 //! Trial frames, and results of earlier ones.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
 
 use pellucid_core::progress::Progress;
 use serde::{Deserialize, Serialize};
@@ -17,9 +18,10 @@ use pellucid_core::metrics;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, Upload, linear};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::median;
+use pellucid_engine::totals::{self, Effort};
 use pellucid_engine::{Result, identity};
 use pellucid_gpu as gpu;
-use pellucid_gpu::Device;
+use pellucid_gpu::{Device, Yardstick};
 use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{Detail, Method};
 
@@ -199,21 +201,37 @@ impl<'a> Trials<'a> {
         self.known.chosen.insert(wish, setting.key());
     }
 
-    /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be
-    /// rendered. A frame that takes more than `most` ms is the last one.
+    /// A setting by the median of frames at a steady clock ([`totals::measure`]), whatever else is known of it; `None`
+    /// if it can't be rendered. If a frame takes more than `most` ms, one is measured.
     ///
     /// # Errors
     /// A lost device, a message of the validation layers.
-    pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<TrialResult>> {
-        match self.first_frames(setting, frames, most.map(|most| most / CLOSE)) {
-            Ok(Record { rmse, gpu_ms, peak_device_bytes }) => {
+    pub fn measure(&mut self, setting: &Setting, effort: Effort, most: Option<f64>) -> Result<Option<TrialResult>> {
+        match self.measured(setting, effort, most) {
+            Ok(found) => {
                 self.device.check_validation()?;
-                let figures = Figures { rmse, gpu_ms: median(gpu_ms) };
-                Ok(Some(TrialResult { figures, peak_device_bytes }))
+                Ok(Some(found))
             }
             Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => Ok(None),
             Err(error) => Err(error),
         }
+    }
+
+    fn measured(&mut self, setting: &Setting, effort: Effort, most: Option<f64>) -> Result<TrialResult> {
+        // For the error, and for the most memory.
+        let Record { rmse, gpu_ms, peak_device_bytes } = self.first_frames(setting, 1, None)?;
+        let is_slow = most.is_some_and(|most| median(gpu_ms) > most);
+        let effort = if is_slow { Effort { warm_up: Duration::ZERO, frames: 1, ..effort } } else { effort };
+        let (cloud, detail) = self.clouds.of(&self.renderer, self.frame.detail, setting.detail)?;
+        let samples = setting.samples.unwrap_or(self.frame.samples);
+        let frame = Frame { method: setting.method, detail, samples, ..self.frame };
+        // Whatever else runs on a CPU's cores disturbs every measurement there. Not kept: its memory would count for
+        // that of the next setting.
+        let yardstick = if self.device.info().is_cpu() { None } else { Some(Yardstick::new(self.device)?) };
+        let totals = totals::measure(&mut self.renderer, cloud, &frame, yardstick.as_ref(), effort)?;
+        self.frames += totals.device.count;
+        let figures = Figures { rmse, gpu_ms: totals.device.median };
+        Ok(TrialResult { figures, peak_device_bytes, is_steady: totals.is_steady() })
     }
 
     /// The properties of the scene that decide which settings apply.

@@ -58,8 +58,8 @@ pub struct Renderer {
     /// Observer that counts finished pixels of a frame, and may cancel it before each submission. Hidden unless the
     /// caller sets one.
     pub progress: Progress,
-    /// `true` if passes are timed and their invocations counted, so that profiles have them; without, passes that have
-    /// nothing to do with one another may run at once.
+    /// `true` if passes are timed and their invocations counted, so that profiles have them; without, only the whole
+    /// frame is timed ([`FrameProfile::total`]), and passes that have nothing to do with one another may run at once.
     pub timed: bool,
     /// `false` if nobody needs colors on the host. If the device has the colors of the whole image at once, they stay
     /// there ([`Self::colors`]), and [`Image::rgba`] is empty.
@@ -153,7 +153,7 @@ impl Renderer {
     /// Does work whose submissions are timed, with what is known of earlier frames.
     fn with_timeline<T>(&mut self, work: impl FnOnce(&mut Self, &mut Timeline) -> T) -> T {
         let mut timeline = Timeline::with(&self.progress, std::mem::take(&mut self.foresight));
-        timeline.stamps = if self.timed { Stamps::Passes } else { Stamps::None };
+        timeline.stamps = if self.timed { Stamps::Passes } else { Stamps::Ends };
         let done = work(self, &mut timeline);
         self.submitted = timeline.submitted;
         self.foresight = timeline.foresight;
