@@ -49,9 +49,9 @@ step cargo doc
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace "${features[@]}" --no-deps
 optional typos "cargo install --locked typos-cli" typos
 optional cargo-deny "cargo install --locked cargo-deny" cargo deny --locked check
-optional ruff "pip install ruff" ruff check tools/papers tools/peers tools/pictures tools/witnesses
-optional ruff "pip install ruff" ruff format --check tools/papers tools/peers tools/pictures tools/witnesses
-for folder in papers peers pictures witnesses; do
+optional ruff "pip install ruff" ruff check tools/gpu tools/papers tools/peers tools/pictures tools/witnesses
+optional ruff "pip install ruff" ruff format --check tools/gpu tools/papers tools/peers tools/pictures tools/witnesses
+for folder in gpu papers peers pictures witnesses; do
     optional python3 "the scripts in tools/$folder are in Python" python3 -m unittest discover "tools/$folder"
 done
 if command -v python3 >/dev/null && ! python3 -c 'import numpy' 2>/dev/null; then

@@ -10,9 +10,10 @@
 # printed, as `skipped: <test>: <reason>`.
 #
 # CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of
-# the programs the barriers, the budget of registers on a GPU, the Python package and pellucid-mpi. Everything is one
-# debug build with one set of features. No skip is allowed but for the reasons that are named below. PARTS="lints suites
-# programs" is all of it; "gpu lab host" and "cli window fuzz" are the two halves of the suites.
+# the programs the barriers, the budget of registers on a GPU, a look at every step of tools/gpu/measure.sh, the Python
+# package and pellucid-mpi. Everything is one debug build with one set of features. No skip is allowed but for the
+# reasons that are named below. PARTS="lints suites programs" is all of it; "gpu lab host" and "cli window fuzz" are the
+# two halves of the suites.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -79,7 +80,7 @@ device_suites=(gpu cli)
 # and examples are among them. `cargo test` without any target would build all examples, which clippy does faster.
 # `lab` is the last suite: it uses the device, too, and takes as long as all others.
 units=(--lib)
-for name in drivers gpu-shape layers-experiments samples-experiments soft-experiments spbr-experiments study; do units+=(--example "$name"); done
+for name in drivers gpu-shape gpu-table layers-experiments samples-experiments soft-experiments spbr-experiments study; do units+=(--example "$name"); done
 other_suites=()
 for name in $(binaries | sort -u); do
     if [[ " lab ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
@@ -164,6 +165,7 @@ run_devices() {
     if ((${#devices[@]} > 0)); then tests "${devices[@]}" || status=1; fi
     if $programs; then
         "$target/debug/examples/gpu-shape" --check || status=1
+        tools/gpu/measure.sh --quick "$target/debug" || status=1
         tools/barriers.sh || status=1
         tools/mpi.sh || status=1
     fi
@@ -175,9 +177,9 @@ suites() {
     local last=()
     if $lab; then beside+=" lab" last=(--test lab); fi
     if $programs; then
-        beside+=" Python" first+=" registers barriers MPI" last+=(--test mpi)
+        beside+=" Python" first+=" registers GPU barriers MPI" last+=(--test mpi)
         step "building the programs"
-        cargo build "${workspace[@]}" --bins --example gpu-shape
+        cargo build "${workspace[@]}" --bins --example gpu-shape --example gpu-table
         export PELLUCID_BINARY=$target/debug/pellucid
     fi
     others=("${units[@]}")
