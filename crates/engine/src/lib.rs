@@ -69,6 +69,7 @@ pub mod pipelines;
 pub mod plan;
 pub mod profile;
 mod shaders;
+pub mod spread;
 pub mod totals;
 
 pub use error::{Error, Result};

@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 use pellucid_scene::stored::Reads;
 use serde_json::{Value, json};
 
-use crate::gpu::{self, Compilation, Device, Memory};
+use crate::gpu::{self, Compilation, Device, Memory, MemoryBudget};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
 use crate::pipelines::Pipelines;
 use crate::progress::{Phase, Span};
+use crate::spread::Spread;
 use crate::totals::Totals;
 
 /// Frames of one scene on one device.
@@ -34,6 +35,8 @@ pub struct Profile {
     pub read: Reads,
     /// Most bytes of host memory that the process had so far; `None` where the system doesn't say.
     pub peak_host_bytes: Option<u64>,
+    /// Memory of the device that was free before the frames; `None` where the driver doesn't tell.
+    pub memory: Option<MemoryBudget>,
     /// The counts of the last frame.
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
@@ -45,6 +48,8 @@ pub struct Profile {
     pub host: Vec<Span>,
     /// The frames.
     pub frames: Vec<FrameProfile>,
+    /// Numbers of splats in a tile and the tiles with each, ascending; `None` if nobody asked, empty without tiles.
+    pub tile_histogram: Option<Vec<(u32, u64)>>,
     /// Facts of the driver's compiler about the pipelines.
     pub pipelines: Pipelines,
     /// Times of more frames at a steady clock, without any other work between them; `None` unless they were measured.
@@ -63,6 +68,7 @@ impl Profile {
             steady: None,
             read: Reads::default(),
             peak_host_bytes: None,
+            memory: device.memory_budget(),
             pixels: u64::from(frame.size[0]) * u64::from(frame.size[1]),
             samples: frame.samples,
             facts: Facts::default(),
@@ -70,6 +76,7 @@ impl Profile {
             clouds: Vec::new(),
             host: Vec::new(),
             frames: Vec::new(),
+            tile_histogram: None,
             pipelines: Pipelines::default(),
             totals: None,
         }
@@ -120,6 +127,8 @@ impl Profile {
             },
             "memory": {
                 "peak_device_bytes": self.facts.peak_device_bytes,
+                "device_budget_bytes": self.memory.map(|memory| memory.budget),
+                "device_used_bytes": self.memory.map(|memory| memory.used),
                 "peak_host_bytes": self.peak_host_bytes,
                 "fragment_bytes": self.facts.fragment_bytes,
                 "bands": self.facts.bands,
@@ -133,10 +142,30 @@ impl Profile {
         if let Some(adjusted) = &self.facts.adjusted {
             whole["ensembles"] = adjusted.to_json(&self.clouds);
         }
+        if let Some([tiles, lists]) = self.spreads() {
+            let json = |spread: Option<Spread>| spread.map_or(Value::Null, Spread::to_json);
+            whole["work"] = json!({"tile_splats": json(tiles), "pixel_fragments": json(lists)});
+        }
         if let Some(pipelines) = self.pipelines.to_json() {
             whole["pipelines"] = pipelines;
         }
         whole
+    }
+
+    /// Returns how splats are spread over tiles and fragments over pixels, each `None` where there are none of either;
+    /// `None` if nobody asked.
+    fn spreads(&self) -> Option<[Option<Spread>; 2]> {
+        let tiles = self.tile_histogram.as_ref()?;
+        Some([Spread::of(tiles), Spread::of(&self.list_histogram)])
+    }
+
+    /// Returns a line for people: least, median and most work of a tile and of a pixel; `None` where there is none, and
+    /// if nobody asked.
+    pub fn work_line(&self) -> Option<String> {
+        let [tiles, lists] = self.spreads()?;
+        let of = [tiles.map(|s| s.text("splats", "tile")), lists.map(|s| s.text("fragments", "pixel"))];
+        let parts: Vec<String> = of.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| format!("work, least / median / most: {}", parts.join("; ")))
     }
 
     /// Returns a line for people on each cloud whose points are dealt to ensembles, and one on the time that it took;

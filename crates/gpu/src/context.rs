@@ -14,6 +14,7 @@ use super::clock::{Calibrator, Clock};
 use super::deletions::Deletions;
 use super::instance::Instance;
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, has_extension, queue_family};
+use super::memory::largest_heap;
 use super::pipeline::{Compilation, Pipeline, PipelineKey};
 use super::{Declaration, Error, Variant, cache, fault, guard, shader};
 
@@ -399,13 +400,7 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
         instance.raw.get_physical_device_memory_properties(physical)
     };
     let basic = properties.properties;
-    let heap_bytes = memory
-        .memory_heaps_as_slice()
-        .iter()
-        .filter(|h| h.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
-        .map(|h| h.size)
-        .max()
-        .unwrap_or(0);
+    let heap_bytes = largest_heap(&memory).map_or(0, |(_, bytes)| bytes);
     let limits = Limits {
         binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
         range_bytes: u64::from(basic.limits.max_storage_buffer_range),

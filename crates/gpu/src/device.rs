@@ -10,6 +10,7 @@ use super::context::{Context, lock};
 use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, queue_family};
+use super::memory::{self, MemoryBudget};
 use super::surface::Surface;
 use super::{Buffer, Compilation, Error, GpuType, Memory, PipelineSource, Preferences, Recorder, Stamps};
 
@@ -104,6 +105,8 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
     };
     let conditional: vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'_> =
         features(&instance.raw, physical, Some(ext::conditional_rendering::NAME));
+    // SAFETY: a plain query on a live instance.
+    let heaps = unsafe { instance.raw.get_physical_device_memory_properties(physical) };
     let driver_name = text(driver.driver_name_as_c_str());
     let driver_info = text(driver.driver_info_as_c_str());
     DeviceInfo {
@@ -122,6 +125,8 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
             .then(|| subgroup_size(&subgroups, &subgroup_sizes))
             .flatten(),
         conditional: conditional.conditional_rendering == vk::TRUE,
+        heap_bytes: memory::largest_heap(&heaps).map_or(0, |(_, bytes)| bytes),
+        memory: memory::budget(instance, physical),
         prefers: Preferences::of(basic.device_type),
         rank,
     }
@@ -258,6 +263,11 @@ impl Device {
         let now = self.0.in_use();
         self.0.peak.store(now, Ordering::Relaxed);
         now
+    }
+
+    /// Returns the memory that may be used now; `None` where the driver doesn't tell (VK_EXT_memory_budget).
+    pub fn memory_budget(&self) -> Option<MemoryBudget> {
+        memory::budget(&self.0.instance, self.0.physical)
     }
 
     /// Allows `count` further submissions, with `None` all of them; later ones fail with [`Error::Stopped`]. Any thread

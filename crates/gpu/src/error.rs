@@ -44,6 +44,9 @@ pub enum Error {
     /// Windows can't be shown here.
     #[error("can't show pictures in a window: {0}; `pellucid render` writes them to a file")]
     NoSurface(String),
+    /// A frame can't be captured.
+    #[error("can't capture a frame: {0}")]
+    Capture(String),
     /// Validation was asked for, but its layer is not installed.
     #[error(
         "validation was requested, but VK_LAYER_KHRONOS_validation is not installed (Debian, Ubuntu: vulkan-validationlayers)"

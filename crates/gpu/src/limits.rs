@@ -4,7 +4,7 @@ use std::ffi::CStr;
 
 use ash::vk;
 
-use super::Preferences;
+use super::{MemoryBudget, Preferences};
 
 /// Options for opening a device.
 #[derive(Debug, Clone, Default)]
@@ -102,6 +102,10 @@ pub struct DeviceInfo {
     pub subgroup: Option<u32>,
     /// Optional: commands that the device leaves out by a word that it finds itself (`VK_EXT_conditional_rendering`).
     pub conditional: bool,
+    /// Bytes of the largest heap of its own memory.
+    pub heap_bytes: u64,
+    /// Memory that was free when the device was listed; `None` where the driver doesn't tell (VK_EXT_memory_budget).
+    pub memory: Option<MemoryBudget>,
     /// The shapes of work that it prefers.
     pub prefers: Preferences,
     pub(super) rank: u32,

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use bytesize::ByteSize;
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use pellucid_engine::methods::FrameProfile;
 use pellucid_engine::pipelines::{Pipelines, Shape};
@@ -87,11 +88,13 @@ fn foot(profile: &Profile, copy_rate: Option<f64>) -> String {
         ));
     }
     lines.extend(profile.totals.as_ref().map(Totals::line));
+    let free = profile.memory.map(|memory| format!("; {} were free before", ByteSize(memory.free())));
     lines.push(format!(
-        "device memory: peak {}, fragments {} in {} band(s)",
-        bytesize::ByteSize(profile.facts.peak_device_bytes),
-        bytesize::ByteSize(profile.facts.fragment_bytes),
-        profile.facts.bands
+        "device memory: peak {}, fragments {} in {} band(s){}",
+        ByteSize(profile.facts.peak_device_bytes),
+        ByteSize(profile.facts.fragment_bytes),
+        profile.facts.bands,
+        free.unwrap_or_default()
     ));
     if let Some(rate) = copy_rate {
         lines.push(format!("copy rate of this device: {:.2} GB/s, reads and writes together", rate / 1e9));
@@ -102,6 +105,7 @@ fn foot(profile: &Profile, copy_rate: Option<f64>) -> String {
             profile.device
         ));
     }
+    lines.extend(profile.work_line());
     lines.extend(profile.adjustment_lines());
     lines.push(profile.host_text());
     lines.join("\n")

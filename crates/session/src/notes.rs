@@ -1,6 +1,7 @@
 //! Notes on a frame: warnings about whatever differs from the request, the opacity that was found, pictures that show
 //! nothing or surfaces alone, and the metadata of an image.
 
+use bytesize::ByteSize;
 use pellucid_core::cloud::light_image::{FEWEST, Holes, automatic_resolution};
 use pellucid_core::image::Image;
 use pellucid_core::points::Points;
@@ -46,6 +47,18 @@ pub fn warnings(prepared: &Prepared, cloud: &DeviceCloud, frame: &Frame, why: &s
         warnings.push(format!("[shadows] has no effect: method {name} takes no shadows ({why})"));
     }
     warnings
+}
+
+/// Says so where a frame took more memory of the device than was free there; `None` otherwise.
+pub fn beyond_memory(taken: u64, free: u64) -> Option<String> {
+    (taken > free).then(|| {
+        format!(
+            "the frame took {} of the device's memory, of which {} were free: parts of it may have been moved to the host's, which \
+             is slow; a smaller --memory-budget draws the picture in smaller parts",
+            ByteSize(taken),
+            ByteSize(free)
+        )
+    })
 }
 
 /// Says so where light falls through holes in the surfaces that cast shadows onto a cloud, and which settings help;
@@ -231,6 +244,13 @@ fn said(factor: f32, prepared: &Prepared, rounded: impl Fn(f32) -> f32) -> Strin
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_frame_that_took_more_memory_than_was_free_is_warned_of() {
+        assert_eq!(beyond_memory(1 << 20, 1 << 20), None);
+        let warning = beyond_memory(3 << 20, 1 << 20).expect("a warning");
+        assert!(warning.contains("took 3.0 MiB of the device's memory, of which 1.0 MiB were free"), "{warning}");
+    }
 
     #[test]
     fn an_empty_picture_of_a_single_layer_names_the_layer() {

@@ -1,5 +1,6 @@
 //! `pellucid devices`.
 
+use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::{Result, methods};
 use pellucid_gpu as gpu;
@@ -39,7 +40,21 @@ pub fn run(args: DevicesArgs, console: Console) -> Result<()> {
     if args.json {
         let list: Vec<_> = devices
             .iter()
-            .map(|d| json!({"index": d.index, "name": d.name, "driver": d.driver, "lacks": lacks(d), "taken": taken == Some(d.index)}))
+            .map(|d| {
+                let memory = json!({
+                    "heap_bytes": d.heap_bytes,
+                    "budget_bytes": d.memory.map(|memory| memory.budget),
+                    "used_bytes": d.memory.map(|memory| memory.used),
+                });
+                json!({
+                    "index": d.index,
+                    "name": d.name,
+                    "driver": d.driver,
+                    "lacks": lacks(d),
+                    "memory": memory,
+                    "taken": taken == Some(d.index),
+                })
+            })
             .collect();
         return console.print_json(&json!(list));
     }
@@ -51,6 +66,7 @@ pub fn run(args: DevicesArgs, console: Console) -> Result<()> {
             lacks => lacks.join(", "),
         };
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
+        text += &format!("    {}\n", memory(d));
         if let Some(version) = slow_mesa(&d.driver) {
             text += &format!(
                 "    Mesa {version} is old: with Mesa 25 most methods take a tenth to a third less time on a CPU \
@@ -60,6 +76,15 @@ pub fn run(args: DevicesArgs, console: Console) -> Result<()> {
     }
     text += if taken.is_some() { "* selected\n" } else { "no device can be used\n" };
     console.print(&text)
+}
+
+/// Memory of a device, and how much of it is free.
+fn memory(device: &gpu::DeviceInfo) -> String {
+    let all = ByteSize(device.heap_bytes);
+    match device.memory {
+        Some(memory) => format!("memory: {} of {all} free", ByteSize(memory.free())),
+        None => format!("memory: {all}; the driver doesn't tell how much is free (no VK_EXT_memory_budget)"),
+    }
 }
 
 /// Features that a device lacks: those without which it can't be used, else those that some methods need.

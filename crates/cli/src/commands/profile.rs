@@ -8,13 +8,14 @@ use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::pipelines::Pipelines;
 use pellucid_engine::totals::Effort;
 use pellucid_engine::{Result, profile};
-use pellucid_gpu::DeviceOptions;
+use pellucid_gpu::{Capture, DeviceOptions};
 use pellucid_session::{FrameRequest, Measuring, Prepared, Request, Session};
 
 use super::along::{Along, PathArgs};
 use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
+use super::limit::usage;
 use super::measured::FrameProfiles;
 use super::options::{self, DeviceArgs, MeasureArgs, one_of};
 use super::touched::{Touched, Touches};
@@ -56,9 +57,17 @@ pub struct ProfileArgs {
     stop: Stop,
     /// Show what the driver's compiler made of each pass: registers, spills, shared memory, size of the code.
     ///
-    /// Shaders are compiled anew. Where the driver doesn't tell (VK_KHR_pipeline_executable_properties) a sentence says so.
+    /// Shaders are compiled anew. Where the driver doesn't tell (VK_KHR_pipeline_executable_properties) a sentence says
+    /// so.
     #[arg(long, help_heading = super::headings::MEASUREMENTS)]
     pub pipelines: bool,
+    /// Have RenderDoc capture frame N, counted from 1.
+    ///
+    /// Start pellucid from RenderDoc or by `renderdoccmd capture`, or set ENABLE_VULKAN_RENDERDOC_CAPTURE=1. The frame
+    /// is rendered once more for it, so that its times are those without. --debug-shaders shows the source of shaders.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(help_heading = super::headings::MEASUREMENTS)]
+    pub capture: Option<u32>,
     /// Print JSON instead of the table, as --profile writes it.
     #[arg(long)]
     pub json: bool,
@@ -111,10 +120,14 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     let progress = console.progress();
     let (prepared, cameras) = args.prepare(&progress)?;
     let options = DeviceOptions { statistics: args.pipelines, ..args.device.options() };
-    let mut session = Session::open(&options::open(&options, &progress)?, prepared, &progress, &progress)?;
+    let device = options::open(&options, &progress)?;
+    let capture = args.capture.map(|number| capture(number, cameras.len())).transpose()?;
+    let mut session = Session::open(&device, prepared, &progress, &progress)?;
     session.describe(&progress);
     // The first frame pays for pipelines and buffers.
+    session.renderer.notes_tiles = true;
     let first = session.first(&progress)?;
+    session.renderer.notes_tiles = false;
     let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));
     let casting_ms = shadows.map(|pass| pass.gpu.as_secs_f64() * 1e3).sum::<f64>();
     if first.facts.light_views > 0 {
@@ -126,6 +139,7 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     }
     let mut profile = session.profile();
     profile.steady = Some(args.steady);
+    profile.tile_histogram = Some(first.facts.tile_histogram.clone());
     let counted_facts = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
     let on_demand = session.frame.counts_on_demand();
@@ -144,6 +158,9 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     for (number, camera) in cameras.iter().enumerate() {
         session.look_through(*camera);
         let counted = if moves && uncounted { Some(count_lists(&mut session)?) } else { None };
+        if let Some((_, capture)) = capture.as_ref().filter(|(captured, _)| *captured == number) {
+            console.note(format_args!("frame {} is captured: {}", number + 1, captured(capture, &mut session)?));
+        }
         let mut rendered = measuring.frame(&mut session)?;
         hindrance = hindrance.or(measuring.hindrance(&session, &rendered));
         if let Some(counted) = counted {
@@ -180,6 +197,22 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
         return console.print_json(&json);
     }
     console.print(&format!("{}\n", pellucid_lab::profile_table(&profile, copy_rate)))
+}
+
+/// Finds RenderDoc, and the place of frame `number` among those that there are.
+fn capture(number: u32, frames: usize) -> Result<(usize, Capture)> {
+    let place = number as usize - 1;
+    if place >= frames {
+        return Err(usage(format!("--capture {number}: there are only {frames} frames")));
+    }
+    Ok((place, Capture::open()?))
+}
+
+/// Renders a frame that RenderDoc captures; returns the path of the capture.
+fn captured(capture: &Capture, session: &mut Session) -> Result<String> {
+    let (rendered, path) = capture.around(|| session.render());
+    session.renderer.recycle(rendered?.image);
+    Ok(path?)
 }
 
 /// Renders a frame with counted lists, for methods that don't need the counts; its times must not be used.

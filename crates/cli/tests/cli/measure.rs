@@ -22,7 +22,15 @@ fn read(folder: &TempDir, name: &str) -> Value {
 /// Asserts the shape of a profile and what must hold between its figures.
 #[track_caller]
 fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
-    assert_eq!(keys(profile), ["version", "device", "method", "steady", "scene", "memory", "host", "frames"]);
+    let mut wanted = vec!["version", "device", "method", "steady", "scene", "memory", "host", "frames"];
+    // A picture that is rendered once notes no work.
+    if profile["steady"].is_boolean() {
+        wanted.push("work");
+        assert_eq!(keys(&profile["work"]), ["tile_splats", "pixel_fragments"]);
+        assert_eq!(keys(&profile["work"]["pixel_fragments"]), ["busy", "empty", "min", "median", "max"]);
+        assert_eq!(profile["work"]["pixel_fragments"]["max"], profile["scene"]["max_list"]);
+    }
+    assert_eq!(keys(profile), wanted);
     assert_eq!(profile["version"], 1);
     let device = &profile["device"];
     assert_eq!(keys(device), ["name", "driver", "timestamp_period_ns"]);
@@ -47,7 +55,13 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
     assert_eq!(histogram.last().unwrap()[0], scene["max_list"].as_u64().unwrap());
 
     let memory = &profile["memory"];
-    assert_eq!(keys(memory), ["peak_device_bytes", "peak_host_bytes", "fragment_bytes", "bands"]);
+    let device = ["device_budget_bytes", "device_used_bytes"];
+    let wanted = [&["peak_device_bytes"], &device[..], &["peak_host_bytes", "fragment_bytes", "bands"]].concat();
+    assert_eq!(keys(memory), wanted);
+    assert!(
+        device.iter().all(|key| memory[key].is_u64()) || device.iter().all(|key| memory[key].is_null()),
+        "{memory}"
+    );
     let bytes = |key: &str| memory[key].as_u64().unwrap();
     assert!(memory["peak_host_bytes"].is_null() || bytes("peak_host_bytes") > 1 << 20);
     assert!(bytes("peak_device_bytes") > bytes("fragment_bytes") && bytes("bands") >= 1);
@@ -338,6 +352,73 @@ fn a_profile_says_what_the_compiler_made_of_each_pass_or_that_the_driver_does_no
     }
 }
 
+/// A library that is called RenderDoc and writes down what is asked of it.
+#[cfg(target_os = "linux")]
+const RENDERDOC: &str = r#"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+static void note(const char *call) {
+    FILE *file = fopen(getenv("CALLS"), "a");
+    fprintf(file, "%s\n", call);
+    fclose(file);
+}
+static unsigned count(void) { return 1; }
+static unsigned get(unsigned index, char *path, unsigned *length, unsigned long long *time) {
+    const char *known = "/captures/only.rdc";
+    if (length) *length = strlen(known) + 1;
+    if (path) strcpy(path, known);
+    return index == 0;
+}
+static void start(void *device, void *window) { note("start"); }
+static unsigned end(void *device, void *window) { note("end"); return 1; }
+static void *functions[27];
+int RENDERDOC_GetAPI(int version, void **out) {
+    functions[13] = count;
+    functions[14] = get;
+    functions[19] = start;
+    functions[21] = end;
+    *out = functions;
+    return version == 10000;
+}
+"#;
+
+#[test]
+#[cfg(target_os = "linux")]
+fn renderdoc_captures_the_frame_that_is_asked_for_once_it_is_loaded() {
+    use pellucid_testing::skip::{NO_PROGRAM, skip};
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    fs::write(inside(&folder, "renderdoc.c"), RENDERDOC).unwrap();
+    let library = inside(&folder, "librenderdoc.so");
+    let built = std::process::Command::new("cc")
+        .args(["-shared", "-fPIC", "-Wl,-soname,librenderdoc.so", "-o"])
+        .args([&library, &inside(&folder, "renderdoc.c")])
+        .status();
+    if !built.is_ok_and(|status| status.success()) {
+        return skip(NO_PROGRAM, "cc");
+    }
+    let tori = builtin(&folder, "tori", &["points=500"]);
+    let args = ["profile", &tori, "--size", "16x12", "--method", "points", "--frames", "2", "--capture"];
+    let of = |number: &str, loaded: bool| {
+        let mut command = crate::pellucid(&folder, &[&args[..], &[number]].concat());
+        if loaded {
+            command.env("LD_PRELOAD", &library).env("CALLS", inside(&folder, "calls"));
+        }
+        let output = command.output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (status, stderr) = of("2", true);
+    assert!(status == Some(0) && stderr.contains("frame 2 is captured: /captures/only.rdc"), "{stderr}");
+    assert_eq!(fs::read_to_string(inside(&folder, "calls")).unwrap(), "start\nend\n", "one frame");
+    let (status, stderr) = of("2", false);
+    assert!(status == Some(1) && stderr.contains("can't capture a frame: RenderDoc isn't loaded"), "{stderr}");
+    let (status, stderr) = of("3", true);
+    assert!(status == Some(2) && stderr.contains("--capture 3: there are only 2 frames"), "{stderr}");
+}
+
 /// Asserts that a plan says of exactly the passes of a profile that they are on; the names of those.
 #[track_caller]
 fn assert_planned(folder: &TempDir, args: &[&str]) -> Vec<String> {
@@ -500,7 +581,12 @@ fn devices_are_listed_and_one_is_taken() {
     let list = parsed(&json);
     let list = list.as_array().unwrap();
     for (index, device) in list.iter().enumerate() {
-        assert_eq!(keys(device), ["index", "name", "driver", "lacks", "taken"]);
+        assert_eq!(keys(device), ["index", "name", "driver", "lacks", "memory", "taken"]);
+        let memory = &device["memory"];
+        assert_eq!(keys(memory), ["heap_bytes", "budget_bytes", "used_bytes"]);
+        assert!(memory["heap_bytes"].as_u64() > Some(0), "{device}");
+        // Both or neither: the extension has them together.
+        assert_eq!(memory["budget_bytes"].is_u64(), memory["used_bytes"].is_u64());
         assert_eq!(device["index"], index);
         assert!(device["name"].is_string() && device["driver"].is_string() && device["taken"].is_boolean());
         assert!(device["lacks"].as_array().unwrap().iter().all(Value::is_string));

@@ -244,6 +244,7 @@ fn ways_that_share_nothing_are_refused() {
     for (args, wanted) in [
         (&["render", "--method", "abuffer", "--share", "ensembles", "-o", "x.png"][..], "draws no ensembles"),
         (&["render", "--share", "frames", "-o", "x.png"], "there is one frame"),
+        (&["profile", "--capture", "1"], "no --pipelines and no --capture"),
         (&["render", "--share", "tiles", "-o", "x.png"], "possible values"),
     ] {
         let output = ranks(&folder, 2, args).output().expect("mpirun");

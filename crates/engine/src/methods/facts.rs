@@ -27,6 +27,9 @@ pub struct Facts {
     pub tile_entries: u64,
     /// Counters of the tiles' splats by run in the window with most of them, if splats are sorted.
     pub tile_cells: u64,
+    /// Numbers of splats in a tile and the tiles with each, ascending, over all windows; only where
+    /// [`Renderer::notes_tiles`](super::Renderer::notes_tiles) asks.
+    pub tile_histogram: Vec<(u32, u64)>,
     /// Fragments of all lists.
     pub fragments: u64,
     /// Longest list.

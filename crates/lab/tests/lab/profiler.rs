@@ -2,14 +2,15 @@
 
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use pellucid_core::progress::{Phase, Span};
 use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
 use pellucid_engine::pipelines::{PipelineFacts, Pipelines};
 use pellucid_engine::profile::{Profile, copy_rate, histogram};
-use pellucid_gpu::{Executable, Memory, PassTime, Submitted};
+use pellucid_gpu::{Executable, Memory, MemoryBudget, PassTime, Submitted};
 use pellucid_scene::stored::Reads;
 use pellucid_scene::{Discs, Method};
-use pellucid_testing::{frame, perspective, scene, soup, with_device};
+use pellucid_testing::{P, at_pixel, frame, perspective, pixel_camera, scene, soup, with_device};
 use serde_json::json;
 
 /// Two frames of two passes; the second one ran twice in the first frame. Pipelines were made before the first frame
@@ -29,6 +30,7 @@ fn by_hand() -> Profile {
         steady: Some(true),
         read: Reads { nodes: 3, bytes: 700 },
         peak_host_bytes: Some(1 << 21),
+        memory: Some(MemoryBudget { budget: 6 << 20, used: 2 << 20 }),
         facts: Facts {
             points: 6,
             shown: 5,
@@ -50,6 +52,7 @@ fn by_hand() -> Profile {
         list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
         clouds: Vec::new(),
         pipelines: Pipelines::Unasked,
+        tile_histogram: None,
         frames: vec![
             FrameProfile {
                 passes: vec![pass("x/a", 1, None, None), pass("x/b", 5, Some(128), Some(1 << 20))],
@@ -84,7 +87,8 @@ fn the_json_is_the_documented_one() {
         "steady": true,
         "scene": { "points": 5, "pixels": 12, "samples": 1, "fragments": 30, "max_list": 4,
                    "list_histogram": [[0, 4], [3, 2], [4, 6]], "nodes_read": 3, "bytes_read": 700 },
-        "memory": { "peak_device_bytes": 1_048_576, "peak_host_bytes": 2_097_152, "fragment_bytes": 240, "bands": 2 },
+        "memory": { "peak_device_bytes": 1_048_576, "device_budget_bytes": 6_291_456, "device_used_bytes": 2_097_152,
+                    "peak_host_bytes": 2_097_152, "fragment_bytes": 240, "bands": 2 },
         "host": [
             { "name": "read", "ms": 5.0 },
             { "name": "compile", "ms": 6.0 },
@@ -208,6 +212,8 @@ fn the_table_has_least_median_and_greatest_times_and_rates() {
         // Of the frame that was measured so, and of 3 and 1 waits.
         "without timestamps between passes: 4.00 ms on the device; 2 wait(s) a frame",
         "2 frame(s)",
+        // 6 MiB less 2 MiB.
+        "in 2 band(s); 4.0 MiB were free before",
         "12 pixels",
         "host: read 5.0 ms",
     ] {
@@ -237,6 +243,50 @@ fn the_table_has_what_the_compiler_says_if_it_was_asked() {
     let wanted = ["48", "3", "1024", "2.5"].map(str::to_owned).to_vec();
     assert_eq!(last_columns(&profile), (true, wanted, false));
     assert_eq!(profile.to_json()["pipelines"][0]["code_bytes"], 2560.0);
+}
+
+#[test]
+fn work_of_tiles_and_pixels_is_told_if_it_was_asked_for() {
+    let mut profile = by_hand();
+    assert_eq!((profile.work_line(), profile.to_json().get("work")), (None, None));
+    profile.tile_histogram = Some(vec![(0, 1), (2, 2), (7, 1)]);
+    // The lists of `by_hand`: four are empty, two have 3 fragments, six have 4.
+    assert_eq!(
+        profile.to_json()["work"],
+        json!({
+            "tile_splats": { "busy": 3, "empty": 1, "min": 2, "median": 2.0, "max": 7 },
+            "pixel_fragments": { "busy": 8, "empty": 4, "min": 3, "median": 4.0, "max": 4 },
+        })
+    );
+    let line = "work, least / median / most: 2 / 2 / 7 splats in a tile (of 3, 1 more are empty); 3 / 4 / 4 fragments \
+                in a pixel (of 8, 4 more are empty)";
+    assert!(pellucid_lab::profile_table(&profile, None).lines().any(|found| found == line));
+    profile.tile_histogram = Some(Vec::new());
+    assert_eq!(profile.to_json()["work"]["tile_splats"], json!(null));
+}
+
+/// Three splats at the center of tile (0, 0) and one in tile (2, 1), of 3 × 2 tiles; each is a pixel large.
+#[test]
+fn tiles_are_noted_with_the_splats_that_meet_them() {
+    with_device(|device| {
+        let size = [48, 32];
+        let points = [[8, 8], [8, 8], [8, 8], [40, 24]].map(|[x, y]: [u16; 2]| P {
+            position: at_pixel(f64::from(x) + 0.5, f64::from(y) + 0.5, 2.0),
+            color: Vec3::ONE,
+            opacity: 0.5,
+            radius: 0.001,
+            normal: Vec3::ZERO,
+        });
+        let frame = frame(pixel_camera(size), size, Method::Sorted(Discs::default()));
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&scene(&points)).expect("fits");
+        let mut noted = |notes: bool| {
+            renderer.notes_tiles = notes;
+            renderer.render(&mut cloud, &frame).expect("rendered").facts.tile_histogram
+        };
+        assert_eq!(noted(true), [(0, 4), (1, 1), (3, 1)]);
+        assert_eq!(noted(false), []);
+    });
 }
 
 #[test]

@@ -3,11 +3,13 @@
 use pellucid_core::image::{Image, LinearImage};
 use pellucid_engine::Result;
 use pellucid_engine::methods::{self, Rendered, brightness};
+use pellucid_gpu::MemoryBudget;
 use pellucid_scene::{ImageSettings, Samples};
 
 use super::Session;
 use crate::area::{self, Sampling};
 use crate::messages::Messages;
+use crate::notes;
 use crate::samples::{SettledSamples, Settling};
 
 /// Time that a picture's sampling error may take to measure, in seconds.
@@ -53,7 +55,12 @@ impl Session {
     /// # Errors
     /// Returns the errors of [`Self::render`].
     pub fn first(&mut self, messages: &dyn Messages) -> Result<Rendered> {
-        self.settle(messages)?.map_or_else(|| self.render(), Ok)
+        let (before, free) = (self.device.reset_peak(), self.device.memory_budget().map(MemoryBudget::free));
+        let rendered = self.settle(messages)?.map_or_else(|| self.render(), Ok)?;
+        let taken = rendered.facts.peak_device_bytes.saturating_sub(before);
+        let warning = free.and_then(|free| notes::beyond_memory(taken, free));
+        warning.iter().for_each(|warning| self.told.to(messages).warn(warning));
+        Ok(rendered)
     }
 
     /// Returns `true` as long as the number of samples is to be found.

@@ -10,6 +10,7 @@ use super::stage::RankScene;
 use crate::commands::Error;
 use crate::commands::console::Console;
 use crate::commands::mpi_args::SharingArgs;
+use crate::commands::options::refuse;
 use crate::commands::profile::ProfileArgs;
 
 /// Measures frames that all ranks render together.
@@ -21,6 +22,8 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
     let mut cameras = Vec::new();
     let prepare = || {
         args.measure.check()?;
+        let alone = args.pipelines || args.capture.is_some();
+        refuse([(alone, "pellucid-mpi has no --pipelines and no --capture: use `pellucid profile` for them")])?;
         let (prepared, found) = args.prepare(&progress)?;
         cameras = found;
         Ok((prepared, if args.along.option().is_some() { cameras.len() } else { 1 }))

@@ -61,6 +61,9 @@ pub struct Renderer {
     /// `true` if passes are timed and their invocations counted, so that profiles have them; without, only the whole
     /// frame is timed ([`FrameProfile::total`]), and passes that have nothing to do with one another may run at once.
     pub timed: bool,
+    /// `true` if [`Facts::tile_histogram`] is wanted: the counters of each window's tiles then come to the host, in
+    /// submissions of their own.
+    pub notes_tiles: bool,
     /// `false` if nobody needs colors on the host. If the device has the colors of the whole image at once, they stay
     /// there ([`Self::colors`]), and [`Image::rgba`] is empty.
     pub host_colors: bool,
@@ -87,6 +90,7 @@ impl Renderer {
             whole: None,
             progress: Progress::hidden(),
             timed: true,
+            notes_tiles: false,
             host_colors: true,
             region: None,
             switches: Switches::of(device.info()),

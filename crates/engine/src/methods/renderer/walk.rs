@@ -6,6 +6,7 @@ use super::{LONGEST, Renderer};
 use crate::methods::mean::{self, Mean};
 use crate::methods::prelude::*;
 use crate::methods::several::Several;
+use crate::spread;
 
 /// The work on each window of a frame.
 #[derive(Clone)]
@@ -217,6 +218,7 @@ impl Renderer {
                 return Ok(Outcome::Overflow);
             }
         }
+        self.buffers.resources.bins.forget_tile_counts();
         let (mut work, buffers) = self.work((job, frame), frame.part(window), timeline, facts);
         work.several = several;
         work.timeline.given = frame.four.map(|_| (mean::QUARTERS, 1.0));
@@ -226,6 +228,9 @@ impl Renderer {
         if outcome == Outcome::Done {
             for note in std::mem::take(&mut work.later) {
                 note(work.facts, work.timeline);
+            }
+            if self.notes_tiles && !job.survey {
+                spread::add(&mut facts.tile_histogram, &self.buffers.resources.bins.tile_counts()?);
             }
         }
         Ok(outcome)

@@ -56,6 +56,8 @@ pub enum Order {
 
 /// Device bytes per pixel of a window that do not depend on the splats: the table of tiles is made to fit what is left.
 pub const PIXEL_BYTES: u64 = 4;
+/// Counters of tiles that come to the host at a time.
+const COPIED_COUNTERS: u64 = 1 << 20;
 /// Bytes of a record of the sort: key and index.
 pub const RECORD_BYTES: u64 = 8;
 /// Bytes of an entry of a tile where pairs are sorted: itself, two records, and at most a counter of a digit with its
@@ -90,6 +92,7 @@ fields! {
         entries: Scratch<u32> = Scratch::new("ordered tile entries", Memory::Device),
         pairs: [Scratch<[u32; 2]>; 2] =
             ["tile pairs", "tile pairs, moved"].map(|name| Scratch::new(name, Memory::Device)),
+        counted: Option<Binning> = None,
     }
 }
 
@@ -176,7 +179,33 @@ impl Bins {
             }
             self.radix.reserve(device, entries.into())?;
         }
+        self.counted = Some(binning);
         Ok(Some(Binned { binning, records: last, longest, entries, counts: answer.place }))
+    }
+
+    /// Forgets which window was binned last.
+    pub fn forget_tile_counts(&mut self) {
+        self.counted = None;
+    }
+
+    /// Copies to the host how many splats each tile of the window has that was binned last; none if none was since
+    /// [`Self::forget_tile_counts`]. Its passes must have been submitted.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    pub fn tile_counts(&self) -> Result<Vec<u32>, gpu::Error> {
+        let Some(binning) = self.counted else { return Ok(Vec::new()) };
+        let (tiles, runs) = (binning.tiles(), u64::from(binning.runs.runs));
+        let at_once = (COPIED_COUNTERS / runs).max(1);
+        let mut counts = Vec::new();
+        let mut first = 0;
+        while first < tiles {
+            let some = at_once.min(tiles - first);
+            let words = self.counts.get().read(first * runs, some * runs)?;
+            counts.extend(words.chunks_exact(runs as usize).map(|of_tile| of_tile.iter().sum::<u32>()));
+            first += some;
+        }
+        Ok(counts)
     }
 
     /// Returns a binned window's tiles, for stages behind [`Self::record_tiles`].
