@@ -27,9 +27,9 @@ impl Effort {
     pub const LOOK: Self = Self { warm_up: Duration::ZERO, frames: 3, limit: Duration::from_millis(500) };
 }
 
-/// Least, middle and nearly greatest of some times, in milliseconds.
+/// Least, middle and nearly greatest time of frames, in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spread {
+pub struct FrameTimes {
     /// Number of times.
     pub count: usize,
     /// Least time.
@@ -40,8 +40,8 @@ pub struct Spread {
     pub p95: f64,
 }
 
-impl Spread {
-    /// Returns the spread of some times in milliseconds; zeros if there are none.
+impl FrameTimes {
+    /// Returns those of some frames in milliseconds; zeros if there are none.
     pub fn of(times: impl IntoIterator<Item = f64>) -> Self {
         let mut times: Vec<f64> = times.into_iter().collect();
         times.sort_by(f64::total_cmp);
@@ -59,9 +59,9 @@ impl Spread {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Totals {
     /// Device time of each frame as a whole.
-    pub device: Spread,
+    pub device: FrameTimes,
     /// Time of each frame from its first submission to the end of its read-back.
-    pub wall: Spread,
+    pub wall: FrameTimes,
     /// Most submissions that the host waited for in a frame.
     pub waits: u64,
     /// Calibrations before and after the frames; `None` if there were none.
@@ -76,7 +76,7 @@ impl Totals {
 
     /// Returns a line for people.
     pub fn line(&self) -> String {
-        let Spread { count, min, median, p95 } = self.device;
+        let FrameTimes { count, min, median, p95 } = self.device;
         let moved = if self.is_steady() { "" } else { "; the device's clock moved meanwhile: don't use these times" };
         format!("at a steady clock: min {min:.2}, median {median:.2}, 95% up to {p95:.2} ms of {count} frame(s){moved}")
     }
@@ -134,8 +134,8 @@ pub fn measure(
     let after = yardstick.map(Yardstick::measure).transpose()?;
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     Ok(Totals {
-        device: Spread::of(rendered.iter().map(|profile| ms(profile.total.unwrap_or_default()))),
-        wall: Spread::of(rendered.iter().map(|profile| ms(profile.wall))),
+        device: FrameTimes::of(rendered.iter().map(|profile| ms(profile.total.unwrap_or_default()))),
+        wall: FrameTimes::of(rendered.iter().map(|profile| ms(profile.wall))),
         waits: rendered.iter().map(|profile| profile.waits).max().unwrap_or(0),
         calibration: before.zip(after).map(<[Calibration; 2]>::from),
     })
@@ -152,19 +152,19 @@ mod tests {
 
     #[test]
     fn spreads_by_hand() {
-        let spread = |count, min, median, p95| Spread { count, min, median, p95 };
-        assert_eq!(Spread::of([]), spread(0, 0.0, 0.0, 0.0));
-        assert_eq!(Spread::of([3.0]), spread(1, 3.0, 3.0, 3.0));
+        let spread = |count, min, median, p95| FrameTimes { count, min, median, p95 };
+        assert_eq!(FrameTimes::of([]), spread(0, 0.0, 0.0, 0.0));
+        assert_eq!(FrameTimes::of([3.0]), spread(1, 3.0, 3.0, 3.0));
         // 95 % of 20 are 19, and of 30 are 28.5.
-        assert_eq!(Spread::of(numbers(20)), spread(20, 1.0, 10.5, 19.0));
-        assert_eq!(Spread::of(numbers(30)), spread(30, 1.0, 15.5, 29.0));
-        assert_eq!(Spread::of(numbers(100)), spread(100, 1.0, 50.5, 95.0));
+        assert_eq!(FrameTimes::of(numbers(20)), spread(20, 1.0, 10.5, 19.0));
+        assert_eq!(FrameTimes::of(numbers(30)), spread(30, 1.0, 15.5, 29.0));
+        assert_eq!(FrameTimes::of(numbers(100)), spread(100, 1.0, 50.5, 95.0));
     }
 
     #[test]
     fn the_three_numbers_of_a_spread_never_decrease() {
         for count in (1..60).filter(|count| count % 7 != 0) {
-            let Spread { min, median, p95, .. } = Spread::of(numbers(count));
+            let FrameTimes { min, median, p95, .. } = FrameTimes::of(numbers(count));
             assert!(min <= median && median <= p95 && p95 <= count as f64, "{count}: {min} {median} {p95}");
         }
     }
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn times_between_calibrations_that_differ_are_marked() {
         let calibration = |spin| Calibration { spin: Duration::from_micros(spin), copy: Duration::from_micros(500) };
-        let times = Spread::of([2.0, 1.0, 4.0]);
+        let times = FrameTimes::of([2.0, 1.0, 4.0]);
         let between = |after| Totals {
             device: times,
             wall: times,

@@ -45,12 +45,12 @@ impl Clock {
 
 /// Reading of both clocks at one time.
 #[derive(Debug, Clone, Copy)]
-pub struct Calibration {
+pub struct ClockReading {
     ticks: u64,
     at: Instant,
 }
 
-impl Calibration {
+impl ClockReading {
     /// Returns the host's time of a stamp.
     pub fn time_of(self, clock: Clock, stamp: u64) -> Instant {
         let nanos = clock.ticks(self.ticks, stamp) * clock.period_ns;
@@ -107,9 +107,9 @@ impl Calibrator {
 
     /// Reads both clocks; `None` if the device fails to. The host's is read before and after the device's, so that
     /// their difference is known to half of the time between, whatever clocks the driver knows besides its own.
-    pub fn read(&self) -> Option<Calibration> {
+    pub fn read(&self) -> Option<ClockReading> {
         let wanted = [vk::CalibratedTimestampInfoKHR::default().time_domain(vk::TimeDomainKHR::DEVICE)];
-        let mut best: Option<(Duration, Calibration)> = None;
+        let mut best: Option<(Duration, ClockReading)> = None;
         for _ in 0..READINGS {
             let begin = Instant::now();
             // SAFETY: the extension is enabled, and the device knows this clock.
@@ -122,7 +122,7 @@ impl Calibrator {
             let took = begin.elapsed();
             let ticks = *read.ok()?.0.first()?;
             if best.is_none_or(|(least, _)| took < least) {
-                best = Some((took, Calibration { ticks, at: begin + took / 2 }));
+                best = Some((took, ClockReading { ticks, at: begin + took / 2 }));
             }
         }
         best.map(|(_, calibration)| calibration)
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn stamps_are_placed_before_and_after_the_reading() {
         let (clock, at) = (Clock::new(8, 1000.0), Instant::now() + Duration::from_secs(1));
-        let calibration = Calibration { ticks: 250, at };
+        let calibration = ClockReading { ticks: 250, at };
         assert_eq!(calibration.time_of(clock, 240), at - Duration::from_micros(10));
         // The counter of 8 bits begins anew after 255.
         assert_eq!(calibration.time_of(clock, 4), at + Duration::from_micros(10));
