@@ -7,7 +7,7 @@ use pellucid_scene::{Family, Method};
 use pellucid_testing::long_or;
 
 use super::checker::{Allowed, complaints};
-use super::{assert_failed, command, files, has_device, place, text};
+use super::{assert_failed, command, files, has_device, meeting, place, text};
 
 const RENDER: [&str; 7] = ["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.exr"];
 const PROFILE: [&str; 10] =
@@ -48,8 +48,7 @@ fn failed(args: &[&str], fault: &str) -> Option<Output> {
     let folder = place();
     std::fs::write(folder.path().join("out/a.exr"), "old").unwrap();
     let before = files(folder.path());
-    let output =
-        command(folder.path(), args).env("PELLUCID_FAULT", fault).env("PELLUCID_VALIDATION", "1").output().unwrap();
+    let output = meeting(command(folder.path(), args), fault).env("PELLUCID_VALIDATION", "1").output().unwrap();
     if output.status.success() {
         assert_eq!(text(&output.stderr), "", "{args:?} {fault}");
         return None;
@@ -182,8 +181,8 @@ fn a_check_on_a_device_that_is_lost_fails_and_says_so() {
         return;
     }
     let folder = place();
-    let mut run = command(folder.path(), &["check", "abuffer/list-of", "--json"]);
-    let output = run.env("PELLUCID_FAULT", "device-lost@wait:3").env("PELLUCID_VALIDATION", "1").output().unwrap();
+    let run = command(folder.path(), &["check", "abuffer/list-of", "--json"]);
+    let output = meeting(run, "device-lost@wait:3").env("PELLUCID_VALIDATION", "1").output().unwrap();
     assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(1), ""));
     assert!(text(&output.stdout).contains("the device was lost during "));
     serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap();

@@ -7,16 +7,16 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use super::checker::{Allowed, complaints};
-use super::{CASES, cases, command, files, has_device, place, put_old};
+use super::{CASES, cases, command, files, has_device, meeting, place, put_old};
 use pellucid_testing::signals::heeding;
 
 /// The time a signal may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Starts a command that hangs at a point, and waits until it does.
-fn hanging(mut command: Command, point: &str) -> Child {
-    let fault = format!("hang@{point}");
-    let mut child = command.env("PELLUCID_FAULT", fault).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+fn hanging(command: Command, point: &str) -> Child {
+    let mut command = meeting(command, &format!("hang@{point}"));
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let stderr = BufReader::new(child.stderr.take().unwrap());
     let mut lines = stderr.lines().map(Result::unwrap);
     let hangs = lines.by_ref().any(|line| line == "fault: hanging");

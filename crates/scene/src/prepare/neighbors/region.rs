@@ -40,19 +40,11 @@ const fn packed() -> [[u8; LANES]; 1 << LANES] {
     packed
 }
 
-/// The set of the lanes that are 1 and not 0, as bits.
-#[inline(always)]
-fn set_of(lanes: [u8; LANES]) -> usize {
-    // Bit 8i of the bytes goes to bit 56 + i; all other products end below or beyond.
-    (u64::from_le_bytes(lanes).wrapping_mul(0x0102_0408_1020_4080) >> 56) as usize
-}
-
 /// Writes the numbers `first` + lane of a set of lanes, with more behind them; returns how many they are.
 #[inline(always)]
 fn write_set(to: &mut [u32], set: usize, first: u32) -> usize {
-    let (to, lanes) = (&mut to[..LANES], &PACKED[set]);
-    for lane in 0..LANES {
-        to[lane] = first + u32::from(lanes[lane]);
+    for (to, lane) in to[..LANES].iter_mut().zip(&PACKED[set]) {
+        *to = first + u32::from(*lane);
     }
     set.count_ones() as usize
 }
@@ -121,9 +113,12 @@ impl Region {
             offsets.clear();
             offsets.resize(padded, f32::INFINITY);
         }
+        let all = columns.all();
         for (((place, x), y), z) in self.places.iter().zip(x).zip(y).zip(z) {
-            let offset = (columns.position(*place as usize) - middle) * scale;
-            (*x, *y, *z) = (offset.x as f32, offset.y as f32, offset.z as f32);
+            let at = *place as usize;
+            *x = ((all[0][at] - middle.x) * scale) as f32;
+            *y = ((all[1][at] - middle.y) * scale) as f32;
+            *z = ((all[2][at] - middle.z) * scale) as f32;
         }
     }
 
@@ -160,16 +155,20 @@ impl Region {
         let (places, mut count) = (&mut found.places[..], 0);
         let (all, _) = self.squared.as_chunks::<LANES>();
         for (squared, first) in all.iter().zip((0..).step_by(LANES)) {
-            let mut lanes = [0; LANES];
-            for lane in 0..LANES {
-                lanes[lane] = u8::from(squared[lane] <= limit);
+            let mut set = 0;
+            for (lane, squared) in squared.iter().enumerate() {
+                set |= usize::from(*squared <= limit) << lane;
             }
-            count += write_set(&mut places[count..], set_of(lanes), first);
+            count += write_set(&mut places[count..], set, first);
         }
         found.count = count;
-        for (place, squared) in places[..count].iter_mut().zip(&mut found.squared) {
-            *place = self.places[*place as usize];
-            *squared = columns.squared_from(here, *place as usize);
+        // Slices of their own: a store could change a vector's address for all that the compiler knows.
+        let ([x, y, z], all) = (columns.all(), &self.places[..]);
+        for (place, squared) in places[..count].iter_mut().zip(&mut found.squared[..]) {
+            *place = all[*place as usize];
+            let at = *place as usize;
+            let (x, y, z) = (x[at] - here.x, y[at] - here.y, z[at] - here.z);
+            *squared = x * x + y * y + z * z;
         }
         true
     }
@@ -230,15 +229,15 @@ fn within(columns: &Columns, middle: &Cuboid, reach: f64, leaf: Node, to: &mut [
     let mut count = 0;
     for first in (first..end).step_by(LANES) {
         let [x, y, z] = columns.lanes(first);
-        let mut lanes = [0; LANES];
-        for lane in 0..LANES {
-            let x = larger(larger(middle.min.x - x[lane], x[lane] - middle.max.x), 0.0);
-            let y = larger(larger(middle.min.y - y[lane], y[lane] - middle.max.y), 0.0);
-            let z = larger(larger(middle.min.z - z[lane], z[lane] - middle.max.z), 0.0);
-            lanes[lane] = u8::from(x * x + y * y + z * z <= reach);
+        let mut set = 0;
+        for (lane, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
+            let x = larger(larger(middle.min.x - x, x - middle.max.x), 0.0);
+            let y = larger(larger(middle.min.y - y, y - middle.max.y), 0.0);
+            let z = larger(larger(middle.min.z - z, z - middle.max.z), 0.0);
+            set |= usize::from(x * x + y * y + z * z <= reach) << lane;
         }
         // Lanes behind the end are places of the next leaf.
-        let set = set_of(lanes) & ((1 << (end - first).min(LANES)) - 1);
+        set &= (1 << (end - first).min(LANES)) - 1;
         count += write_set(&mut to[count..], set, first as u32);
     }
     count

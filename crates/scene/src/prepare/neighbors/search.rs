@@ -60,11 +60,12 @@ impl Columns {
         (self.position(b) - self.position(a)).length_squared()
     }
 
-    /// Returns the squared distance of a place from a position.
+    /// Returns all coordinates, each axis by itself.
     #[inline(always)]
-    pub fn squared_from(&self, here: DVec3, place: usize) -> f64 {
-        let (x, y, z) = (self.x[place] - here.x, self.y[place] - here.y, self.z[place] - here.z);
-        x * x + y * y + z * z
+    pub fn all(&self) -> [&[f64]; 3] {
+        // As long as the first, so that one test of an index serves all of them.
+        let count = self.x.len();
+        [&self.x, &self.y[..count], &self.z[..count]]
     }
 
     /// Returns the coordinates of some places from one on, each by itself; infinity behind the last.
@@ -312,8 +313,8 @@ fn largest(squared: &[f64]) -> f64 {
     let (all, rest) = squared.as_chunks::<LANES>();
     let mut lanes = [0.0; LANES];
     for squared in all {
-        for lane in 0..LANES {
-            lanes[lane] = larger(lanes[lane], squared[lane]);
+        for (lane, squared) in lanes.iter_mut().zip(squared) {
+            *lane = larger(*lane, *squared);
         }
     }
     lanes.iter().chain(rest).copied().fold(0.0, larger)
