@@ -1,4 +1,4 @@
-//! What a device can do at most: rates of copies, reads, atomics and arithmetic, and what passes cost that do nothing.
+//! Ceilings of a device: rates of copies, reads, atomics and arithmetic, and what passes cost that do nothing.
 
 use std::time::Duration;
 

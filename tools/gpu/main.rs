@@ -58,11 +58,11 @@ enum Command {
         #[arg(long)]
         keep: Option<PathBuf>,
     },
-    /// What the device can do at most: copies, atomics, random reads, arithmetic, empty passes.
+    /// Measure ceilings of the device: copies, atomics, random reads, arithmetic, empty passes.
     Ceilings(Size),
     /// Opaque points, sort and scan by their number.
     Rates(Size),
-    /// What the driver says of each pipeline.
+    /// Print facts of the driver about each pipeline.
     Pipelines(Size),
 }
 
@@ -77,7 +77,7 @@ struct Size {
     seconds: u64,
 }
 
-/// What a command has to keep to.
+/// Bounds of a command.
 #[derive(Debug, Clone, Copy)]
 struct Bounds {
     quick: bool,

@@ -1,4 +1,4 @@
-//! What the driver says of each pipeline: registers, code, private memory, under the driver's own names.
+//! Facts of the driver about each pipeline: registers, code, private memory, under the driver's own names.
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::Renderer;

@@ -69,7 +69,7 @@ pub const ALL: [Plan; 14] = [
     plan("volume-32", Source::BuiltIn("volume", &[("layers", 32.0)]), SQUARE, &LISTS),
     plan("volume-128", Source::BuiltIn("volume", &[("layers", 128.0)]), SQUARE, &LISTS),
     plan("volume-512", Source::BuiltIn("volume", &[("layers", 512.0)]), SQUARE, &LISTS),
-    // What a frame costs without any work: 5 and 50 splats.
+    // Frames of 5 and 50 splats: their cost without any work.
     plan("stack-5", Source::BuiltIn("stack", &[("layers", 5.0)]), HD, &LISTS),
     plan("stack-50", Source::BuiltIn("stack", &[("layers", 50.0)]), HD, &LISTS),
     plan("soup", SOUP, HD, &GAUSSIANS),

@@ -82,7 +82,7 @@ pub enum Pipelines {
     Unasked,
     /// The device doesn't tell.
     Untold,
-    /// Those of every pipeline, by pass and variant.
+    /// Facts of every pipeline, by pass and variant.
     Told(Vec<PipelineFacts>),
 }
 

@@ -188,8 +188,8 @@ impl<T: GpuType> Buffer<T> {
         &bytemuck::cast_slice(self.mapped())[..self.len as usize]
     }
 
-    /// The memory of the buffer, where the host can write to it: a CPU driver's is the host's. On a GPU whose own memory
-    /// can be mapped a copy by the device is not slower, and leaves the choice of memory to the allocator.
+    /// The memory of the buffer, where the host may write to it: that of a CPU driver is the host's. On a GPU whose own
+    /// memory can be mapped, a copy by the device is not slower.
     fn host_memory(&self) -> Option<NonNull<c_void>> {
         let allocation = self.allocation.as_ref().filter(|_| self.context.info.prefers.host_writes)?;
         let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;

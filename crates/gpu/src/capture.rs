@@ -31,7 +31,7 @@ struct Functions {
 /// RenderDoc in this process.
 pub struct Capture {
     functions: NonNull<Functions>,
-    /// Its functions are there as long as the library is.
+    /// The library, without which the functions would be gone.
     _library: Option<Library>,
 }
 
@@ -99,7 +99,7 @@ fn last_path(functions: &Functions) -> Option<String> {
 /// Returns RenderDoc's library if this process has it already.
 #[cfg(unix)]
 fn loaded() -> Result<Library, libloading::Error> {
-    /// Of <dlfcn.h>: a library that is not there yet is not loaded.
+    /// Flag of <dlfcn.h>: a library that is not there yet is not loaded.
     const RTLD_NOLOAD: c_int = if cfg!(target_os = "macos") { 0x10 } else { 4 };
     // SAFETY: nothing is loaded, so that no initializer runs.
     unsafe { Library::open(Some("librenderdoc.so"), platform::RTLD_NOW | RTLD_NOLOAD) }

@@ -13,8 +13,8 @@ pub struct Preferences {
     /// Splats of at most so many pixels are walked by one invocation each, larger ones tile by tile. The invocations of
     /// a GPU's subgroup wait for the largest splat among theirs; on a CPU tiles only cost.
     pub small_area: u32,
-    /// `true` if the host writes into the device's memory by itself where it can: on a CPU driver, which would copy with
-    /// one core what all cores can write at once.
+    /// `true` if the host writes into the device's memory by itself where it can: on a CPU driver, which would copy
+    /// with one core what all cores can write at once.
     pub host_writes: bool,
     /// `true` if the tiles' lists of ordered splats come from a stable sort of pairs of tile and splat, of which a GPU
     /// moves thousands at once; false if each subgroup takes a run of splats one by one, which needs no further memory.

@@ -175,8 +175,8 @@ fn device_args(args: &[&str]) -> Vec<String> {
     device.map_or_else(Vec::new, |device| vec!["--device".to_owned(), device])
 }
 
-/// Has a command meet a fault. The host writes into a CPU driver's memory by itself, so faults of submissions come where
-/// a GPU has them, too: while points are uploaded.
+/// Has a command meet a fault. The host writes into a CPU driver's memory by itself, so faults of submissions come
+/// where a GPU has them, too: while points are uploaded.
 fn meeting(mut command: Command, fault: &str) -> Command {
     if fault.contains("@submit") || fault.contains("@wait") {
         command.env("PELLUCID_PREFER", "gpu");

@@ -12,7 +12,7 @@ use pellucid_testing::{is_llvmpipe, with_device};
 use crate::by_halves;
 
 /// Frames that are stopped on llvmpipe, for all subjects together.
-const STOPS: u64 = 134;
+const STOPS: u64 = 120;
 
 /// The first subject of each method, and the first with what has buffers of its own beside those of its method. A
 /// stopped frame leaves nothing behind but what lies in buffers.

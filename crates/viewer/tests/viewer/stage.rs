@@ -15,11 +15,11 @@ use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::shadow_texture::ShadowTexture;
 use pellucid_core::points::Changes;
 use pellucid_core::progress::Progress;
-use pellucid_gpu::Device;
+use pellucid_gpu::{Device, Preferences};
 use pellucid_scene::prepare::{self, Request};
 use pellucid_scene::{Document, METHODS, Overrides, Scene, Setting};
 use pellucid_session::{Clouds, Sources};
-use pellucid_testing::with_device;
+use pellucid_testing::{with_device, with_device_that_prefers};
 use pellucid_viewer::draft::{Cost, Costs, Effort};
 use pellucid_viewer::messages::Setup;
 use pellucid_viewer::navigate::Pose;
@@ -249,7 +249,8 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
 
 #[test]
 fn uploads_that_were_stopped_are_repeated() {
-    with_device(|device| {
+    // Of a GPU: the host writes into a CPU driver's memory without a submission.
+    with_device_that_prefers(Preferences::GPU, |device| {
         let (clouds, mut document) = (clouds(), document());
         document.put("method.name", Setting::Word("soft-base".into())).unwrap();
         document.put("cloud.*.field", Setting::Word("height".into())).unwrap();

@@ -10,8 +10,10 @@ use crate::viewer::display::Display;
 use crate::viewer::garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};
 use crate::viewer::window::Window;
 
+/// Opens the window with a fault. The host writes into a CPU driver's memory without a submission, so that faults come
+/// where a GPU has them.
 fn open(folder: &Path, display: &Display, fault: &str) -> Window {
-    let variables = [("DISPLAY", display.name.as_str()), ("PELLUCID_FAULT", fault)];
+    let variables = [("DISPLAY", display.name.as_str()), ("PELLUCID_FAULT", fault), ("PELLUCID_PREFER", "gpu")];
     Window::open_with(folder, &variables, &["view", "scene.toml", "--size", WINDOW])
 }
 

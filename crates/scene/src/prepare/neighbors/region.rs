@@ -52,10 +52,10 @@ fn write_set(to: &mut [u32], set: usize, first: u32) -> usize {
 /// All places within reach of a leaf.
 #[derive(Default)]
 pub(super) struct Region {
-    /// In ascending order.
+    /// Places in ascending order.
     places: Vec<u32>,
-    /// Their offsets from the middle of the leaf, times `scale`, a coordinate at a time: at most 1. Infinity fills the
-    /// last vector.
+    /// Offsets of the places from the middle of the leaf, times `scale`, a coordinate at a time: at most 1. Infinity
+    /// fills the last vector.
     offsets: [Vec<f32>; 3],
     /// Squared distances from the place that was measured last, in the unit of offsets.
     squared: Vec<f32>,

@@ -142,13 +142,14 @@ impl DeviceCloud {
     pub fn make_room(&mut self, device: &Device) -> Result<(), Error> {
         let len = self.len;
         if self.splats.len() < len {
-            self.splats = device.buffer("splats", len, Memory::Device)?;
             self.splat_depths = device.buffer("splat depths", len, Memory::Device)?;
             self.tilts = device.buffer("tilts", if self.has_normals { len } else { 1 }, Memory::Device)?;
             self.bounds = device.buffer("splat bounds", len, Memory::Device)?;
             self.colors = device.buffer("splat colors", len, Memory::Device)?;
             self.large = device.buffer("large splats", len, Memory::Device)?;
             self.tile_counts = device.buffer("tile counts", len, Memory::Device)?;
+            // Last, since its length says that there is room: the memory may not last for all of them.
+            self.splats = device.buffer("splats", len, Memory::Device)?;
         }
         Ok(())
     }
