@@ -32,6 +32,8 @@ def test_a_profile_is_that_of_the_command_line(renderer, cli):
     steady = pellucid.profile(BLADE, frames=3, steady=True, size=(96, 64), opacity=0.3)
     assert [frame.waits for frame in steady.frames] == [1, 1, 1]
     assert [ours["steady"], theirs["steady"], steady.json["steady"]] == [False, False, True]
+    assert steady.json["totals"]["frames"] == 3
+    assert "totals" not in ours
     assert steady.fragments == profile.fragments
     table = profile.to_pandas()
     assert len(table) == sum(len(frame.passes) for frame in profile.frames)

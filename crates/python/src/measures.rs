@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use pellucid_engine::methods::{Frame, Stop};
 use pellucid_engine::profile;
+use pellucid_engine::totals::Effort;
 use pellucid_io::output;
 use pellucid_lab::report::tradeoff::{self, Against, MeasuredScene, Options};
 use pellucid_session::candidates::{self, Formation};
@@ -20,9 +21,13 @@ use crate::talk::Talk;
 /// Renders a first frame, which pays for pipelines and buffers, then those that count, steady or not.
 pub fn profile(session: &mut Session, (frames, steady): (u32, bool), talk: &Talk) -> Result<String, Failure> {
     let kept = session.frame;
-    let first = session.first(talk)?;
+    session.renderer.notes_tiles = true;
+    let first = session.first(talk);
+    session.renderer.notes_tiles = false;
+    let first = first?;
     let mut profile = session.profile();
     profile.steady = Some(steady);
+    profile.tile_histogram = Some(first.facts.tile_histogram.clone());
     let counted = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
     if session.frame.counts_on_demand() || steady {
@@ -39,6 +44,11 @@ pub fn profile(session: &mut Session, (frames, steady): (u32, bool), talk: &Talk
         hindrance = hindrance.or(measuring.hindrance(session, &rendered));
         profile.add(&rendered);
         Ok::<_, Failure>(())
+    });
+    let measured = measured.and_then(|()| {
+        let effort = Effort { frames: frames as usize, ..Effort::RELIABLE };
+        profile.totals = if steady { Some(session.totals(effort)?) } else { None };
+        Ok(())
     });
     session.frame = Frame { samples: session.frame.samples, ..kept };
     measured?;
