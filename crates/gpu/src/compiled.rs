@@ -62,13 +62,16 @@ impl Device {
     ///
     /// # Errors
     /// Vulkan errors.
-    pub fn compiled_pipelines(&self) -> Result<Option<Vec<(PipelineSource, Vec<Executable>)>>, Error> {
+    pub fn compiled_pipelines(&self) -> Result<Option<Vec<CompiledPipeline>>, Error> {
         let Some(loader) = &self.0.executables else { return Ok(None) };
         let pipelines: Vec<_> = lock(&self.0.pipelines).values().cloned().collect();
         let told = |pipeline: Arc<Pipeline>| Ok((pipeline.made.clone(), executables(loader, &pipeline)?));
         pipelines.into_iter().map(told).collect::<Result<_, _>>().map(Some)
     }
 }
+
+/// A pipeline, and the programs that the driver made of it.
+pub type CompiledPipeline = (PipelineSource, Vec<Executable>);
 
 /// Asks the driver about a pipeline that was made with the flag for statistics.
 fn executables(

@@ -40,7 +40,7 @@ pub use agree::{Agree, Expected};
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
 pub use calibration::{Calibration, Spin, SpinPush, Yardstick};
 pub use capture::Capture;
-pub use compiled::{Compiled, Executable};
+pub use compiled::{Compiled, CompiledPipeline, Executable};
 pub use device::{Device, ValidationLog, devices};
 pub use error::Error;
 pub use foresee::Foresee;
