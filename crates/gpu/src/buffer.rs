@@ -1,4 +1,5 @@
-//! Typed buffers: allocated by name, filled and read back through small staging buffers.
+//! Typed buffers: allocated by name, filled by the host itself or through small staging buffers, and read back through
+//! these.
 
 use std::ffi::c_void;
 use std::marker::PhantomData;
@@ -14,7 +15,7 @@ use gpu_allocator::vulkan::Allocation;
 use super::deletions::Deletion;
 use super::{Context, Error, GpuType, Recorder, Stamps, guard};
 
-/// Bytes of the staging buffer that uploads and read-backs pass through.
+/// Bytes of the staging buffer that uploads to GPUs and read-backs pass through.
 const STAGING_BYTES: u64 = 16 << 20;
 
 /// The memory of a buffer.
@@ -137,7 +138,7 @@ impl<T: GpuType> Buffer<T> {
             let len = usize::try_from(len).unwrap_or(usize::MAX);
             // SAFETY: the buffer has room for `len` elements of plain data, at an address that Vulkan aligns for any of
             // them. Each submission is waited for, so that no pass uses the buffer now; the next one sees what the host
-            // wrote before it.
+            // wrote before it. Only the thread that renders with a buffer uploads to it.
             let elements = unsafe { std::slice::from_raw_parts_mut(memory.cast::<T>().as_ptr(), len) };
             fill(0..len, elements);
             return Ok(());

@@ -249,7 +249,7 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
 
 #[test]
 fn uploads_that_were_stopped_are_repeated() {
-    // Of a GPU: the host writes into a CPU driver's memory without a submission.
+    // Uploads to a GPU are submitted; into a CPU driver's memory the host writes by itself.
     with_device_that_prefers(Preferences::GPU, |device| {
         let (clouds, mut document) = (clouds(), document());
         document.put("method.name", Setting::Word("soft-base".into())).unwrap();
