@@ -25,6 +25,8 @@ pub const NO_OPENEXR: &str = "no OpenEXR";
 pub const NO_MOUNTS: &str = "no mounts";
 /// The device itself needs larger files than a limit on their size allows.
 pub const NO_FILE_LIMIT: &str = "no limit on files";
+/// The device has no 64-bit atomics, or counts no invocations.
+pub const NO_ATOMICS: &str = "no 64-bit atomics or no statistics";
 /// No driver whose manifest can be taken away.
 pub const NO_MANIFEST: &str = "no driver to take away";
 
