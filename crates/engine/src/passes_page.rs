@@ -25,7 +25,7 @@ Several passes share how they visit splats, pixels and long lists: see [stages.m
 ";
 
 /// Fills, copies and second names of passes have no declaration with a comment; their sentences stand here.
-const UNDECLARED: [(&str, &str, &str); 28] = [
+const UNDECLARED: [(&str, &str, &str); 27] = [
     ("abuffer/clear", "fill", "Sets counts, longest list and overflow flag to 0."),
     ("abuffer/cursors", "copy", "Copies the start of each pixel's list to the cursor that `abuffer/store` counts up."),
     ("abuffer/summary", "copy", "Copies overflow, longest list and total to the host, which then cuts bands."),
@@ -77,7 +77,6 @@ const UNDECLARED: [(&str, &str, &str); 28] = [
         "Sets the statistics of the projection to 0, and for opaque methods all pixels to \"nothing\".",
     ),
     ("project/stats", "copy", "Copies the numbers of visible and large splats, and of their tiles, to the host."),
-    ("tiles/cursors", "copy", "Copies the start of each tile's list to the cursor that `tiles/store` counts up."),
 ];
 
 /// A declaration by `pass!`.

@@ -5,7 +5,7 @@ use include_dir::include_dir;
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
 use crate::methods::QUARTERS;
-use crate::methods::{FAMILIES, abuffer, image_space, opaque, soft, spbr};
+use crate::methods::{FAMILIES, abuffer, image_space, opaque, soft};
 use crate::passes::{bin, compose, project, radix, scan, tiles};
 
 /// The WGSL files under shaders/, and the constants that stand in Rust alone.
@@ -21,7 +21,6 @@ pub static SHADERS: Sources = Sources {
         &scan::CONSTANTS,
         &project::CONSTANTS,
         &soft::CONSTANTS,
-        &spbr::CONSTANTS,
         &tiles::CONSTANTS,
     ],
     floats: &[&image_space::FLOATS],

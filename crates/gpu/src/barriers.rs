@@ -17,6 +17,20 @@ pub fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
     unsafe { context.device.cmd_pipeline_barrier2(commands, &dependency) };
 }
 
+/// Makes what dispatches wrote before visible to dispatches that come after, and lets these wait for those.
+pub fn compute_barrier(context: &Context, commands: vk::CommandBuffer) {
+    let compute = vk::PipelineStageFlags2::COMPUTE_SHADER;
+    let read = vk::AccessFlags2::SHADER_STORAGE_READ | vk::AccessFlags2::UNIFORM_READ;
+    let barrier = [vk::MemoryBarrier2::default()
+        .src_stage_mask(compute)
+        .src_access_mask(vk::AccessFlags2::SHADER_STORAGE_WRITE)
+        .dst_stage_mask(compute)
+        .dst_access_mask(read | vk::AccessFlags2::SHADER_STORAGE_WRITE)];
+    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+    // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
+    unsafe { context.device.cmd_pipeline_barrier2(commands, &dependency) };
+}
+
 /// Takes images from one layout to another, after all that was done to them.
 pub fn image_barriers(
     context: &Context,

@@ -11,6 +11,7 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, 
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings, MemoryLocation};
 
 use super::clock::{Calibrator, Clock};
+use super::commands::Commands;
 use super::deletions::Deletions;
 use super::instance::Instance;
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, has_extension, queue_family};
@@ -20,14 +21,6 @@ use super::{Declaration, Error, Variant, cache, fault, guard, shader};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
-
-/// A command buffer and its pool. Recording uses the pool, and a pool must not be used from two threads at once, so
-/// that each recorder has one.
-#[derive(Clone, Copy)]
-pub struct Commands {
-    pool: vk::CommandPool,
-    pub buffer: vk::CommandBuffer,
-}
 
 /// The Vulkan device with its queue, its memory and its pipelines.
 pub struct Context {
@@ -61,7 +54,7 @@ pub struct Context {
     pub instance: Instance,
     /// Held for every submission: a queue must not be used from two threads at once.
     pub submission: Mutex<()>,
-    /// Command buffers that nobody records, each with a pool of its own.
+    /// Command buffers that nobody records, each with what a recording takes besides.
     pub idle_commands: Mutex<Vec<Commands>>,
     /// Resources that interrupted recordings may still need.
     pub deletions: Mutex<Deletions>,
@@ -231,41 +224,6 @@ impl Context {
         list
     }
 
-    /// Returns a command buffer to record, used again if one is idle.
-    pub fn take_commands(&self) -> Result<Commands, Error> {
-        if let Some(commands) = lock(&self.idle_commands).pop() {
-            return Ok(commands);
-        }
-        let info = vk::CommandPoolCreateInfo::default().queue_family_index(self.queue_family);
-        // SAFETY: a live device; the pool is destroyed here, by `give_commands_back` or in drop.
-        unsafe {
-            let pool = self.device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
-            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-            match self.device.allocate_command_buffers(&info) {
-                Ok(buffers) => {
-                    self.name_object(pool, "recordings");
-                    self.name_object(buffers[0], "recording");
-                    Ok(Commands { pool, buffer: buffers[0] })
-                }
-                Err(result) => {
-                    self.device.destroy_command_pool(pool, None);
-                    Err(Error::call("vkAllocateCommandBuffers")(result))
-                }
-            }
-        }
-    }
-
-    /// Keeps a command buffer for the next recording. It must not be pending.
-    pub fn give_commands_back(&self, commands: Commands) {
-        // SAFETY: the caller has waited for the submission, or made none, and holds the only copy of these handles.
-        unsafe {
-            match self.device.reset_command_pool(commands.pool, vk::CommandPoolResetFlags::empty()) {
-                Ok(()) => lock(&self.idle_commands).push(commands),
-                Err(_) => self.device.destroy_command_pool(commands.pool, None),
-            }
-        }
-    }
-
     /// Returns `true` if the shader of a pass has an override of this name, with the pieces of a variant.
     pub fn has_override(&self, pass: &Declaration, variant: &Variant, name: &'static str) -> Result<bool, Error> {
         let key = (pass.shader, pass.piece, variant.walker, name);
@@ -312,7 +270,7 @@ impl Drop for Context {
             }
             self.device.destroy_pipeline_cache(self.pipeline_cache, None);
             for commands in lock(&self.idle_commands).drain(..) {
-                self.device.destroy_command_pool(commands.pool, None);
+                commands.destroy(&self.device);
             }
             drop(lock(&self.allocator).take());
             self.device.destroy_device(None);

@@ -11,6 +11,7 @@ pub mod cache;
 mod calibration;
 mod capture;
 mod clock;
+mod commands;
 mod compiled;
 mod context;
 mod deletions;

@@ -19,15 +19,30 @@ pub struct Preferences {
     /// `true` if the tiles' lists of ordered splats come from a stable sort of pairs of tile and splat, of which a GPU
     /// moves thousands at once; false if each subgroup takes a run of splats one by one, which needs no further memory.
     pub tile_pairs: bool,
+    /// `true` if the invocations of a workgroup share the pixels of its squares in `spbr`, and each goes through few
+    /// points; false if each walks the squares of its own points, one after another.
+    pub spread_squares: bool,
 }
 
 impl Preferences {
     /// Preferences of drivers that run on a CPU.
-    pub const CPU: Self =
-        Self { concurrent_runs: 32, shared_work: false, small_area: 1024, host_writes: true, tile_pairs: false };
+    pub const CPU: Self = Self {
+        concurrent_runs: 32,
+        shared_work: false,
+        small_area: 1024,
+        host_writes: true,
+        tile_pairs: false,
+        spread_squares: false,
+    };
     /// Preferences of GPUs.
-    pub const GPU: Self =
-        Self { concurrent_runs: 4096, shared_work: true, small_area: 64, host_writes: false, tile_pairs: true };
+    pub const GPU: Self = Self {
+        concurrent_runs: 4096,
+        shared_work: true,
+        small_area: 64,
+        host_writes: false,
+        tile_pairs: true,
+        spread_squares: true,
+    };
 
     pub(super) fn of(device_type: vk::PhysicalDeviceType) -> Self {
         if device_type == vk::PhysicalDeviceType::CPU { Self::CPU } else { Self::GPU }

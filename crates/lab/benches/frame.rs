@@ -210,10 +210,7 @@ fn race_all(device: &Device, frames: usize) -> Result<()> {
             let method = Method::ABuffer(Discs { raster, ..Discs::default() });
             let rendered = renderer.render(&mut cloud, &frame(method))?;
             fragments = rendered.facts.fragments;
-            Ok((
-                milliseconds(&rendered, &[&TILING[..], &["abuffer/count", "abuffer/store"]].concat()),
-                rendered.facts.raster,
-            ))
+            Ok((milliseconds(&rendered, &["abuffer/count", "abuffer/store"]), rendered.facts.raster))
         })?;
         let mut add = |passes: &str, race: &Race| {
             let row = [format!("{diameter}"), points.len().to_string(), fragments.to_string(), passes.to_owned()];
@@ -255,9 +252,6 @@ fn frame(method: Method) -> Frame {
     Frame::new(camera.expect("Y is not along the view"), [SIDE; 2], method)
 }
 
-/// The passes that only compute needs, for large splats; the prefix sums are shared with other work and left out.
-const TILING: [&str; 3] = ["tiles/count", "tiles/cursors", "tiles/store"];
-
 /// Device time of some passes of a frame.
 fn milliseconds(rendered: &Rendered, passes: &[&str]) -> f64 {
     let passes = rendered.profile.passes.iter().filter(|pass| passes.contains(&pass.name));
@@ -275,10 +269,7 @@ fn race_opaque(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceCloud
             Raster::Hardware => Walker::Hardware,
             Raster::Auto => {
                 let rendered = renderer.render(cloud, &automatic)?;
-                return Ok((
-                    milliseconds(&rendered, &[&TILING[..], &["opaque/nearest"]].concat()),
-                    rendered.facts.raster,
-                ));
+                return Ok((milliseconds(&rendered, &["opaque/nearest"]), rendered.facts.raster));
             }
         };
         Ok((course.nearest(device, cloud, walker)?, ""))
@@ -308,7 +299,7 @@ impl Course {
         recorder.submit("project/splats")?;
 
         let stats = cloud.stats();
-        self.tiles.reserve(device, &stats, window)?;
+        self.tiles.reserve(device, &stats)?;
         let raster =
             raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: Footprint::Disc, window };
         let mut recorder = device.recorder()?;
@@ -319,10 +310,6 @@ impl Course {
             nearest: self.nearest.all(),
         })?;
         let passes = recorder.submit("opaque/nearest")?.passes;
-        Ok(passes
-            .iter()
-            .filter(|pass| pass.name == "opaque/nearest" || TILING.contains(&pass.name))
-            .map(|pass| pass.gpu.as_secs_f64() * 1e3)
-            .sum())
+        Ok(passes.iter().filter(|pass| pass.name == "opaque/nearest").map(|pass| pass.gpu.as_secs_f64() * 1e3).sum())
     }
 }

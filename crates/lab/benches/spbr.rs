@@ -139,7 +139,7 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
     recorder.submit("project/splats")?;
     let stats = cloud.stats();
     let mut tiles = Tiles::new(device)?;
-    tiles.reserve(device, &stats, window)?;
+    tiles.reserve(device, &stats)?;
     let nearest: Buffer<u64> = device.buffer("nearest", u64::from(SIDE) * u64::from(SIDE), Memory::Device)?;
     let (cloud, footprint, walker) = (&cloud, Footprint::Point, Walker::Hardware);
     let raster = raster::Raster { cloud, stats: &stats, tiles: &tiles, walker, footprint, window };

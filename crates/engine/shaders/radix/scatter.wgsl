@@ -3,9 +3,8 @@
 // own.
 //
 // The first invocation of each digit takes places for all of its equals, and they get them by a shuffle. Each step
-// waits for the result of the step before, so that a run's records take their places in order without a barrier. Who
-// has an equal digit a small subgroup finds by a shuffle for each invocation, a large one by a ballot for each bit.
-#import radix
+// waits for the result of the step before, so that a run's records take their places in order without a barrier.
+#import digit_rank
 #import dispatch
 @group(0) @binding(0) var<storage, read> records: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read_write> cursors: array<atomic<u32>>;
@@ -23,32 +22,13 @@ fn main(
     for (var step = start; step < end; step += SUBGROUP) {
         let present = step + lane < end;
         let record = records[min(step + lane, end - 1u)];
-        // Invocations beyond the end have a digit of their own.
         let digit = select(push.mask + 1u, digit_of(record.x), present);
-        var equal_before = 0u;
-        var equals = 0u;
-        var first = SUBGROUP;
-        if SUBGROUP >= MOST_SHUFFLED {
-            var equal = subgroupBallot(present).x;
-            for (var bits = push.mask; bits != 0u; bits &= bits - 1u) {
-                let bit = bits & (~bits + 1u);
-                let holders = subgroupBallot((digit & bit) != 0u).x;
-                equal &= select(~holders, holders, (digit & bit) != 0u);
-            }
-            equals = countOneBits(equal);
-            equal_before = countOneBits(equal & ((1u << lane) - 1u));
-            first = firstTrailingBit(equal);
-        } else {
-#repeat             let other{i} = subgroupShuffle(digit, {i}u);
-#repeat             equals += select(0u, 1u, other{i} == digit);
-#repeat             equal_before += select(0u, 1u, other{i} == digit && {i}u < lane);
-#repeat             first = select(first, min(first, {i}u), other{i} == digit);
-        }
+        let equals = equals_of(digit, present, lane);
         var place = 0u;
-        if present && equal_before == 0u {
-            place = atomicAdd(&cursors[digit * push.runs + run], equals);
+        if present && equals.before == 0u {
+            place = atomicAdd(&cursors[digit * push.runs + run], equals.all);
         }
-        place = subgroupShuffle(place, first & (SUBGROUP - 1u)) + equal_before;
+        place = subgroupShuffle(place, equals.first & (SUBGROUP - 1u)) + equals.before;
         if present && place < arrayLength(&moved) {
             put(place, record);
         }

@@ -7,8 +7,8 @@
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
 @group(0) @binding(2) var<storage, read> tilts: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
-@group(0) @binding(4) var<storage, read> tile_starts: array<u32>;
-@group(0) @binding(5) var<storage, read> tile_entries: array<u32>;
+@group(0) @binding(4) var<storage, read> large: array<u32>;
+@group(0) @binding(5) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(6) var<storage, read> splat_depths: array<f32>;
 #push
 

@@ -49,10 +49,18 @@ fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {
     let words = key_words(point, depth);
     let mine = (u64(words.y) << 32u) | u64(words.x);
     var before: u64;
+    // As in shared/nearest_wide, reading comes first.
     if PLANES == 0u {
+        if atomicLoad(&pixels[4u * pixel]) > mine {
+            return;
+        }
         before = atomicMax(&pixels[4u * pixel], mine);
     } else {
-        before = atomicMax(&nearest[plane * push.pixels + pixel], mine);
+        let place = plane * push.pixels + pixel;
+        if atomicLoad(&nearest[place]) > mine {
+            return;
+        }
+        before = atomicMax(&nearest[place], mine);
     }
     if mine > before {
         let color = whole_color_of(push.list + point);

@@ -122,7 +122,7 @@ fn samples_variant(run: Variant, bodies: bool) -> Variant {
 
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let walked = || raster::computed_variants(&[Footprint::Gaussian], SEGMENT);
+    let walked = || raster::computed_variants(&[Footprint::Gaussian]);
     let runs = || <(Cut, Falloff)>::all().into_iter().map(|(cut, falloff)| run_variant(cut, falloff));
     vec![
         Shader::new::<Count>(walked()),

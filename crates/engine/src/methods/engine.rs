@@ -282,11 +282,11 @@ impl Work<'_> {
     /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window
     /// must be cut.
     pub fn reserve_tiles(&self, tiles: &mut Tiles, stats: &[Stats], needed: bool) -> Result<Option<Budget>, Error> {
-        let bytes = if needed { Tiles::bytes(stats, self.window) } else { 0 };
+        let bytes = if needed { Tiles::bytes(stats) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let budget = self.budget.with_tiles(bytes).filter(|_| countable);
         if budget.is_some() {
-            tiles.reserve(self.device, if bytes > 0 { stats } else { &[] }, self.window)?;
+            tiles.reserve(self.device, if bytes > 0 { stats } else { &[] })?;
         }
         Ok(budget)
     }

@@ -7,7 +7,6 @@ use crate::gpu::Device;
 use crate::passes::bin::{self, Order};
 use crate::passes::radix::Digits;
 use crate::passes::scan::Scan;
-use crate::passes::tiles;
 use crate::scene::ShadingModel;
 
 /// The statistics and the prose of an engine's passes.
@@ -89,8 +88,6 @@ pub(crate) const ORDER: [&str; 10] = [
 pub(crate) const PRESORTED: [&str; 2] = ["bin/pick", "bin/place"];
 /// The pass that empties pixels.
 pub(crate) const CLEAR: [&str; 1] = ["image/clear"];
-/// The passes that list the large splats of tiles.
-pub(crate) const TILES: [&str; 3] = ["tiles/count", "tiles/cursors", "tiles/store"];
 /// The passes of prefix sums.
 pub(crate) const SCAN: [&str; 2] = ["scan/reduce", "scan/spread"];
 
@@ -250,21 +247,10 @@ impl FramePlan<'_> {
         self.add("project/stats", true, met);
     }
 
-    /// Explains the lists of `large` large splats by tile; returns the length of the longest prefix sum that they need.
-    pub fn tiles(&mut self, large: u64) -> u64 {
-        let facts = self.facts;
-        let on = large > 0 && facts.raster == "compute";
-        let reason = if facts.raster == "compute" {
-            format!("{large} splats are large enough for tiles")
-        } else {
-            "the rasterizer visits the pixels, so splats need no tiles".to_owned()
-        };
-        for name in TILES {
-            self.add(name, on, reason.clone());
-        }
-        let rows = self.frame.size[1].div_ceil(facts.windows.max(1) as u32);
-        let [columns, rows] = tiles::grid([0, 0, self.frame.size[0], rows]);
-        if on { large.max(u64::from(columns) * u64::from(rows) + 1) } else { 0 }
+    /// Returns how many counters are summed for `large` large splats: the tiles of each, unless the rasterizer visits
+    /// the pixels.
+    pub fn pairs(&self, large: u64) -> u64 {
+        if self.facts.raster == "compute" { large } else { 0 }
     }
 
     /// Explains the prefix sums of `elements` elements; none for 0.

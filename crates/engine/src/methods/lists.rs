@@ -94,7 +94,7 @@ impl ListEngine {
         let (window, how) = ([0, 0, width, height], projecting(frame, cloud, &self.discs));
         let stats = project(device, cloud, (frame, window), &how, timeline)?;
         let walker = self.walker(device, cloud, window)?;
-        buffers.tiles.reserve(device, &stats, window)?;
+        buffers.tiles.reserve(device, &stats)?;
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = compose::stop(Stop::Exact, frame.color, 1.0);

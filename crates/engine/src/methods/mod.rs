@@ -65,7 +65,7 @@ use crate::gpu::shader::Shader;
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bin::{self, Bins};
 use crate::passes::project::{self, Footprint};
-use crate::passes::tiles::{self, Tiles};
+use crate::passes::tiles::Tiles;
 use crate::passes::{radix, scan};
 use crate::scene::{Hybrid, Interpolated, Method, Mlab, Tail, Wavelet};
 use abuffer::Shown;
@@ -152,7 +152,6 @@ pub(crate) const FAMILIES: &[Family] = &[
     family(&[splats::pass_group], splats::shaders),
     family(&[one_layer::pass_group], one_layer::shaders),
     family(&[|| PassGroup::new(&CLEAR, Absent::Discs("every pixel is written"))], Vec::new),
-    family(&[opaque::tile_group], tiles::shaders),
     family(&[|| PassGroup::new(&SCAN, Absent::Always("nothing is counted"))], scan::shaders),
     family(&[image_space::pass_group], image_space::shaders),
     family(&[peel_layers::pass_group], peel_layers::shaders),

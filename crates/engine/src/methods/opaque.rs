@@ -2,7 +2,7 @@
 //!
 //! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
 
-use crate::methods::explain::{COUNTERS, TILES};
+use crate::methods::explain::COUNTERS;
 use crate::methods::prelude::*;
 use crate::scene::Relief;
 
@@ -64,7 +64,7 @@ impl Opaque {
         let nearest = self.nearest.get().slice(0, pixels);
         recorder.fill("project/clear", nearest, u32::MAX)?;
         raster.record_tiles(&mut recorder)?;
-        let all = (&Band::whole(raster.window, 0), SEGMENT);
+        let all = &Band::whole(raster.window, 0);
         let moved = |variant| relief_variant(variant, relief);
         if wide {
             let packed = nearest.cast();
@@ -168,8 +168,8 @@ impl Explain for NearestEngine {
 
     fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.projected();
-        let tiled = plan.tiles(plan.facts.large);
-        plan.scan(tiled, "tiles of large splats");
+        let tiled = plan.pairs(plan.facts.large);
+        plan.scan(tiled, "tiles of each large splat");
         let (seen, why) = (plan.seen(), plan.why);
         plan.nearest(NEAREST, seen, if seen { why } else { NOTHING });
         plan.add("opaque/resolve", true, "turns the index of the nearest splat into a color");
@@ -182,11 +182,6 @@ const NEAREST: [&str; 3] = ["opaque/nearest", "opaque/nearest-depth", "opaque/ne
 /// Returns counters that most methods clear, and the results of the projection.
 pub(crate) fn counter_group() -> PassGroup {
     PassGroup::new(&COUNTERS, Absent::Always("methods of ensembles use their own counters"))
-}
-
-/// Returns the passes that list the large splats of tiles.
-pub(crate) fn tile_group() -> PassGroup {
-    PassGroup::new(&TILES, Absent::Always("no pass visits pixels splat by splat"))
 }
 
 /// Returns the passes of opaque splats where only the nearest one counts.

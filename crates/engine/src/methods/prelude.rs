@@ -23,7 +23,6 @@ pub(crate) use crate::passes::compose::{self, Composing, ComposingGroup, Cut, ST
 pub(crate) use crate::passes::foresight::Knowledge;
 pub(crate) use crate::passes::project::{CloudPart, DISCS, DeviceCloud, Footprint, PointExtent, Projecting, Stats};
 pub(crate) use crate::passes::raster::{self, Chunk, ChunkGroup, CountPush, Raster, RasterPush, Walker};
-pub(crate) use crate::passes::tiles::SEGMENT;
 pub(crate) use crate::progress::Progress;
 pub(crate) use crate::scene::{BlendedSplats, DiscShape, Discs, Falloff, Kernel, LongLists, Method, ScreenSplats};
 pub(crate) use crate::{choices, fields, gpu_struct, group, pass};

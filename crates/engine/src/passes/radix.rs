@@ -31,8 +31,16 @@ pass! {
     }
 
     /// Moves each record to its place among those of its digit: one subgroup per run, in order; runs once for each
-    /// digit. Where nobody asks for keys, the last run moves values alone.
+    /// digit. Where nobody asks for keys, the last run moves values alone. If the device prefers it, the places of four
+    /// runs are in the memory of a workgroup (`radix/scatter_group`).
     pub Scatter(RadixPush) = "radix/scatter" with "moved_records" {
+        records: Read<[u32; 2]>,
+        cursors: ReadWrite<u32>,
+        moved: ReadWrite<[u32; 2]>,
+    }
+
+    /// Moves each record to its place, with several runs in a workgroup whose memory holds their places.
+    pub ScatterGroup(RadixPush) = "radix/scatter" in "radix/scatter_group" with "moved_records" {
         records: Read<[u32; 2]>,
         cursors: ReadWrite<u32>,
         moved: ReadWrite<[u32; 2]>,
@@ -40,6 +48,13 @@ pass! {
 
     /// Moves the value of each record to its place among those of its digit.
     pub ScatterValues(RadixPush) = "radix/scatter" in "radix/scatter" with "moved_values" {
+        records: Read<[u32; 2]>,
+        cursors: ReadWrite<u32>,
+        moved: ReadWrite<u32>,
+    }
+
+    /// Moves the value of each record to its place, like `ScatterGroup`.
+    pub ScatterGroupValues(RadixPush) = "radix/scatter" in "radix/scatter_group" with "moved_values" {
         records: Read<[u32; 2]>,
         cursors: ReadWrite<u32>,
         moved: ReadWrite<u32>,
@@ -52,6 +67,10 @@ const MOST_BITS: u32 = 9;
 const LEAST_BITS: u32 = 4;
 /// Subgroups below this size find equal digits by shuffles, larger ones by ballots.
 const MOST_SHUFFLED: u32 = 16;
+
+/// Subgroups of a workgroup, each with a run of its own, where they share work: no device has room for less than 128
+/// invocations and 16 KiB.
+const TEAM: u32 = 4;
 
 /// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 2] = [("DIGIT_VALUES", 1 << MOST_BITS), ("MOST_SHUFFLED", MOST_SHUFFLED)];
@@ -179,10 +198,17 @@ impl Radix {
                 recorder.run(&Count { records, counts }, push, &over)?;
             }
             self.scan.record(recorder, counts, cursors)?;
-            let run = Run::new(Dispatch::Groups(u64::from(runs))).variant(scatter_variant(subgroup));
-            match values.filter(|_| digit + 1 == digits) {
-                Some(moved) => recorder.run(&ScatterValues { records, cursors, moved }, push, &run)?,
-                None => recorder.run(&Scatter { records, cursors, moved }, push, &run)?,
+            let shared = self.prefers.shared_work;
+            let (team, variant) = match shared {
+                false => (1, scatter_variant(subgroup)),
+                true => (TEAM, scatter_group_variant(subgroup)),
+            };
+            let run = Run::new(Dispatch::Groups(u64::from(runs.div_ceil(team)))).variant(variant);
+            match (values.filter(|_| digit + 1 == digits), shared) {
+                (Some(moved), false) => recorder.run(&ScatterValues { records, cursors, moved }, push, &run)?,
+                (Some(moved), true) => recorder.run(&ScatterGroupValues { records, cursors, moved }, push, &run)?,
+                (None, false) => recorder.run(&Scatter { records, cursors, moved }, push, &run)?,
+                (None, true) => recorder.run(&ScatterGroup { records, cursors, moved }, push, &run)?,
             }
             agree(recorder, counts, cursors, push.count)?;
             (records, moved) = (moved, records);
@@ -224,6 +250,11 @@ pub fn scatter_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup).network(subgroup)
 }
 
+/// Returns the variant of `radix/scatter_group` for devices with subgroups of this size.
+fn scatter_group_variant(subgroup: u32) -> Variant {
+    scatter_variant(subgroup).constant("TEAM", TEAM)
+}
+
 /// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
@@ -231,5 +262,7 @@ pub fn shaders() -> Vec<Shader> {
         Shader::plain::<CountGroup>(),
         Shader::new::<Scatter>(SUBGROUPS.map(scatter_variant)),
         Shader::new::<ScatterValues>(SUBGROUPS.map(scatter_variant)),
+        Shader::new::<ScatterGroup>(SUBGROUPS.map(scatter_group_variant)),
+        Shader::new::<ScatterGroupValues>(SUBGROUPS.map(scatter_group_variant)),
     ]
 }

@@ -3,7 +3,7 @@
 
 use super::bands::{Band, Window};
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
-use super::tiles::{self, SEGMENT, TILE, Tiles};
+use super::tiles::{PAIR_RUN, Tiles};
 use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Targets, Variant, Vertices};
 use crate::{gpu_struct, group};
 
@@ -15,9 +15,8 @@ gpu_struct! {
         band_start: u32, // The band of pixels in work: [band_start, band_end) in the order of window_index.
         band_end: u32,
         first_fragment: u32, // The band's first fragment among the window's.
-        first_tile: u32, // The tiles that meet the band, and segments of their splats.
-        tiles: u32,
-        segments: u32,
+        large: u32, // Large splats of this chunk, and their pairs with tiles.
+        pairs: u32,
     }
 
     /// Push constants: a number of elements.
@@ -29,7 +28,7 @@ gpu_struct! {
 /// The visitor of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Walker {
-    /// Compute: one invocation per small splat, large ones tile by tile.
+    /// Compute: one invocation per small splat, one workgroup for a few tiles of a large one.
     Compute,
     /// The rasterizer.
     Hardware,
@@ -46,10 +45,10 @@ group! {
         tilts: Read<Tilt>,
         /// Rectangles of the splats.
         bounds: Read<Bounds>,
-        /// First entry of each tile.
-        tile_starts: Read<u32>,
-        /// Large splats of the tiles.
-        tile_entries: Read<u32>,
+        /// Large splats of the chunk.
+        large: Read<u32>,
+        /// First pair of each large splat with a tile.
+        pair_offsets: Read<u32>,
         /// Depths of the chunk's splats.
         splat_depths: Read<f32>,
     }
@@ -92,7 +91,7 @@ pub struct Raster<'a> {
     pub cloud: &'a DeviceCloud,
     /// Statistics of its projection into the window.
     pub stats: &'a [Stats],
-    /// The window's tiles; recorded before, if the walker is [`Walker::Compute`].
+    /// Pairs of large splats and tiles; recorded before, if the walker is [`Walker::Compute`].
     pub tiles: &'a Tiles,
     /// The visitor of pixels.
     pub walker: Walker,
@@ -103,10 +102,10 @@ pub struct Raster<'a> {
 }
 
 impl<'a> Raster<'a> {
-    /// Records the tiles of large splats, if the walker asks for them.
+    /// Records the pairs of large splats and tiles, if the walker asks for them.
     pub fn record_tiles(&self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
         match self.walker {
-            Walker::Compute => self.tiles.record(recorder, self.cloud, self.stats, self.window),
+            Walker::Compute => self.tiles.record(recorder, self.cloud, self.stats),
             Walker::Hardware => Ok(()),
         }
     }
@@ -118,7 +117,7 @@ impl<'a> Raster<'a> {
         band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
-        self.record_with(recorder, (band, SEGMENT), stage, None, |variant| variant)
+        self.record_with(recorder, band, stage, None, |variant| variant)
     }
 
     /// Indirect arguments of a stage's dispatches or draws, in order; without workgroups or vertices where the first
@@ -128,7 +127,7 @@ impl<'a> Raster<'a> {
             Amount::Compute(dispatch) => recorder.arguments(visit.walker, dispatch),
             Amount::Vertices(count) => Ok([count, 1, 0, 0]),
         };
-        self.visits(band, SEGMENT).map(of).collect()
+        self.visits(band).map(of).collect()
     }
 
     /// Records a draw of all splats into attachments, in the order of their indices. `push` makes the push constants
@@ -161,22 +160,21 @@ impl<'a> Raster<'a> {
         Ok(())
     }
 
-    /// Records a stage as [`Self::record`] does, in a variant that `with` adds overrides to. A workgroup walks
-    /// `segment` large splats of a tile, at most [`SEGMENT`]. With `arguments` the sizes of dispatches or draws are
-    /// there: as many records of four words as [`Self::arguments`] has.
+    /// Records a stage as [`Self::record`] does, in a variant that `with` adds overrides to. With `arguments` the sizes
+    /// of dispatches or draws are there: as many records of four words as [`Self::arguments`] has.
     pub fn record_with<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
-        (band, segment): (&Band, u32),
+        band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
         arguments: Option<Slice<'a, u32>>,
         with: impl Fn(Variant) -> Variant,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
-        for (number, visit) in self.visits(band, segment).enumerate() {
+        for (number, visit) in self.visits(band).enumerate() {
             let arguments = arguments.map(|all| all.skip(4 * number as u64).first(4));
             let pass = stage(self.chunk(visit.chunk, u64::from(visit.push.first), u64::from(visit.push.count)));
-            let variant = with(variant(self.footprint, visit.walker, segment));
+            let variant = with(variant(self.footprint, visit.walker));
             match visit.amount {
                 Amount::Compute(dispatch) => {
                     let dispatch = arguments.map_or(dispatch, Dispatch::Indirect);
@@ -198,40 +196,29 @@ impl<'a> Raster<'a> {
     }
 
     /// The dispatches or draws that visit all splats: chunks without visible ones have none.
-    fn visits(&self, band: &Band, segment: u32) -> impl Iterator<Item = Visit> {
-        let [first_tile, tiles] = self.tiles_of(band);
+    fn visits(&self, band: &Band) -> impl Iterator<Item = Visit> {
         let chunks = self.cloud.chunks().zip(self.stats).enumerate().filter(|(_, (_, stats))| stats.visible > 0);
         chunks
             .flat_map(move |(chunk, ((first, count), stats))| {
-                let segments = stats.large.div_ceil(segment);
                 let push = RasterPush {
                     count: count as u32,
                     first: first as u32,
                     band_start: band.pixels[0],
                     band_end: band.pixels[1],
                     first_fragment: band.first_fragment,
-                    first_tile,
-                    tiles,
-                    segments,
+                    large: stats.large,
+                    pairs: stats.tiles() as u32,
                 };
                 let visit = |walker, amount| Visit { chunk, push, walker, amount };
                 let small = || visit(WALK_SMALL, Amount::Compute(Dispatch::Invocations(count)));
-                let groups = u64::from(tiles) * u64::from(segments);
-                let large = || visit(WALK_TILES, Amount::Compute(Dispatch::Groups(groups)));
+                let groups = stats.tiles().div_ceil(u64::from(PAIR_RUN));
+                let large = || visit(WALK_PAIRS, Amount::Compute(Dispatch::Groups(groups)));
                 match self.walker {
                     Walker::Compute => [Some(small()), (stats.large > 0).then(large)],
                     Walker::Hardware => [Some(visit(WALK_FRAGMENT, Amount::Vertices(6 * count as u32))), None],
                 }
             })
             .flatten()
-    }
-
-    /// First tile and number of tiles of the rows of tiles that meet a band.
-    fn tiles_of(&self, band: &Band) -> [u32; 2] {
-        let columns = tiles::grid(self.window)[0];
-        let row = |pixel: u32| pixel / (self.window[2] - self.window[0]) / TILE;
-        let (first, last) = (row(band.pixels[0]), row(band.pixels[1].max(1) - 1));
-        [first * columns, (last - first + 1) * columns]
     }
 
     fn tilts(&self, first: u64, count: u64) -> Slice<'a, Tilt> {
@@ -245,8 +232,8 @@ impl<'a> Raster<'a> {
             splats: cloud.splats.slice(first, count),
             tilts: self.tilts(first, count),
             bounds: cloud.bounds.slice(first, count),
-            tile_starts: self.tiles.starts_of(self.stats, chunk, self.window),
-            tile_entries: self.tiles.entries_of(self.stats, chunk),
+            large: cloud.large.slice(first, count),
+            pair_offsets: self.tiles.offsets_of(self.stats, chunk),
             splat_depths: cloud.splat_depths.slice(first, count),
         }
     }
@@ -254,24 +241,23 @@ impl<'a> Raster<'a> {
 
 /// One invocation per small splat.
 const WALK_SMALL: &str = "walk_small";
-/// One workgroup per tile and segment of its large splats.
-const WALK_TILES: &str = "walk_tiles";
+/// One workgroup per few pairs of a large splat and a tile.
+const WALK_PAIRS: &str = "walk_pairs";
 /// The rasterizer.
 const WALK_FRAGMENT: &str = "walk_fragment";
 
-/// The variant of a stage for a footprint, and a walker that takes `segment` large splats of a tile at a time.
-fn variant(footprint: Footprint, walker: &'static str, segment: u32) -> Variant {
-    let variant = Variant::plain().with("SHAPE", footprint as u32).walker(walker);
-    if walker == WALK_TILES { variant.with("SEGMENT", segment) } else { variant }
+/// The variant of a stage for a footprint and a walker.
+fn variant(footprint: Footprint, walker: &'static str) -> Variant {
+    Variant::plain().with("SHAPE", footprint as u32).walker(walker)
 }
 
 /// Returns the variants of a stage for some footprints, without the rasteriser.
-pub(crate) fn computed_variants(footprints: &[Footprint], segment: u32) -> Vec<Variant> {
-    variants(footprints, &[WALK_SMALL, WALK_TILES], segment)
+pub(crate) fn computed_variants(footprints: &[Footprint]) -> Vec<Variant> {
+    variants(footprints, &[WALK_SMALL, WALK_PAIRS])
 }
 
-fn variants(footprints: &[Footprint], walkers: &[&'static str], segment: u32) -> Vec<Variant> {
-    footprints.iter().flat_map(|shape| walkers.iter().map(move |walker| variant(*shape, walker, segment))).collect()
+fn variants(footprints: &[Footprint], walkers: &[&'static str]) -> Vec<Variant> {
+    footprints.iter().flat_map(|shape| walkers.iter().map(|walker| variant(*shape, walker))).collect()
 }
 
 /// Footprints whose pixels are visited one by one, spheres apart.
@@ -286,5 +272,5 @@ pub(crate) const FLAT: [Footprint; 6] = [
 
 /// Returns the variants of a stage that visits whatever is flat.
 pub(crate) fn flat_variants() -> Vec<Variant> {
-    variants(&FLAT, &[WALK_SMALL, WALK_TILES, WALK_FRAGMENT], SEGMENT)
+    variants(&FLAT, &[WALK_SMALL, WALK_PAIRS, WALK_FRAGMENT])
 }

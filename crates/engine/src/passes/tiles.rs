@@ -1,46 +1,20 @@
-//! Large splats by tile: which of them meet each tile of 16 × 16 pixels of the window, chunk by chunk.
+//! Large splats by tile: the pairs of a large splat and a tile of 16 × 16 pixels of the window that its rectangle
+//! meets, chunk by chunk. They are numbered splat by splat, so that prefix sums of the numbers of tiles say which pair
+//! a number is, and no list of them is needed.
 
 pub use super::bands::TILE;
 
 use super::bands::Window;
-use super::project::{Bounds, DeviceCloud, Stats, View};
+use super::project::{DeviceCloud, Stats};
 use super::scan::Scan;
-use crate::gpu::shader::Shader;
-use crate::gpu::{Device, Dispatch, Error, Expected, Memory, Recorder, Run, Scratch, Slice};
-use crate::{fields, gpu_struct, pass};
+use crate::fields;
+use crate::gpu::{Device, Error, Memory, Recorder, Scratch, Slice};
 
-/// Large splats of a tile that one workgroup walks; `SEGMENT` in WGSL.
-pub const SEGMENT: u32 = 4096;
+/// Pairs that a workgroup takes one after another: it searches for the splat of the first alone.
+pub const PAIR_RUN: u32 = 8;
 
-gpu_struct! {
-    /// Push constants: the number of the chunk.
-    pub struct TilePush {
-        chunk: u32,
-    }
-}
-
-pass! {
-    /// Counts the large splats of each tile, from all pairs of a large splat and a tile that its rectangle meets.
-    pub TileCount(TilePush) = "tiles/count" {
-        view: Uniform<View>,
-        bounds: Read<Bounds>,
-        large: Read<u32>,
-        pair_offsets: Read<u32>,
-        stats: Read<Stats>,
-        counts: ReadWrite<u32>,
-    }
-
-    /// Stores the large splats of each tile in its list, from the same pairs as `tiles/count`.
-    pub TileStore(TilePush) = "tiles/store" {
-        view: Uniform<View>,
-        bounds: Read<Bounds>,
-        large: Read<u32>,
-        pair_offsets: Read<u32>,
-        stats: Read<Stats>,
-        cursors: ReadWrite<u32>,
-        entries: ReadWrite<u32>,
-    }
-}
+/// Constants that shaders share with this module.
+pub(crate) const CONSTANTS: [(&str, u32); 2] = [("TILE", TILE), ("PAIR_RUN", PAIR_RUN)];
 
 /// Returns the columns and rows of tiles over a window.
 pub fn grid([x0, y0, x1, y1]: Window) -> [u32; 2] {
@@ -48,111 +22,55 @@ pub fn grid([x0, y0, x1, y1]: Window) -> [u32; 2] {
 }
 
 fields! {
-    /// Buffers of tiles, kept from frame to frame.
+    /// Buffers of pairs, kept from frame to frame.
     pub struct Tiles by device {
         pair_offsets: Scratch<u32> = Scratch::new("tile pair offsets", Memory::Device),
-        cursors: Scratch<u32> = Scratch::new("tile cursors", Memory::Device),
-        starts: Scratch<u32> = Scratch::new("tile starts", Memory::Device),
-        entries: Scratch<u32> = Scratch::new("tile entries", Memory::Device),
         scan: Scan = Scan::new(device, 0)?,
     }
 }
 
 impl Tiles {
-    /// Returns the number of device bytes that the tiles of these splats take in a window.
-    pub fn bytes(stats: &[Stats], window: Window) -> u64 {
-        let pairs: u64 = stats.iter().map(Stats::tiles).sum();
-        let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
-        if large == 0 {
-            return 0;
-        }
-        let tiles = stride(window) * (stats.len() as u64 + 1);
-        4 * (pairs + large + tiles) + Scan::bytes(large.max(tiles))
+    /// Returns the number of device bytes that the pairs of these splats take.
+    pub fn bytes(stats: &[Stats]) -> u64 {
+        4 * elements(stats) + Scan::bytes(most(stats))
     }
 
     /// Makes room for these splats (none if the rasterizer visits them). There must be less than 2^32 pairs per chunk.
-    pub fn reserve(&mut self, device: &Device, stats: &[Stats], window: Window) -> Result<(), Error> {
-        let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
-        let any = large > 0;
-        let stride = stride(window);
-        self.pair_offsets.reserve(device, large.max(1))?;
-        self.cursors.reserve(device, if any { stride } else { 1 })?;
-        self.starts.reserve(device, if any { stride * stats.len() as u64 } else { 1 })?;
-        self.entries.reserve(device, stats.iter().map(|s| aligned(s.tiles())).sum::<u64>().max(1))?;
-        let longest = if any { large.max(stride) } else { 0 };
-        self.scan.reserve(device, longest)
+    pub fn reserve(&mut self, device: &Device, stats: &[Stats]) -> Result<(), Error> {
+        self.pair_offsets.reserve(device, elements(stats).max(1))?;
+        self.scan.reserve(device, most(stats))
     }
 
-    /// Records the lists of all tiles, if there are large splats at all.
+    /// Records the prefix sums of all chunks that have large splats.
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
         cloud: &'a DeviceCloud,
         all: &[Stats],
-        window: Window,
     ) -> Result<(), Error> {
-        let [columns, rows] = grid(window);
-        let len = u64::from(columns) * u64::from(rows) + 1;
-        for (chunk, ((first, count), s)) in cloud.chunks().zip(all).enumerate() {
-            if s.large == 0 {
-                continue;
-            }
-            let (view, bounds, large) =
-                (cloud.view(), cloud.bounds.slice(first, count), cloud.large.slice(first, count));
-            let pair_offsets = self.pair_offsets.get().slice(0, u64::from(s.large));
-            let cursors = self.cursors.get().slice(0, len);
-            let starts = self.starts.get().slice(chunk as u64 * stride(window), len);
-            let (stats, push) = (cloud.found(), TilePush { chunk: chunk as u32 });
-            let run = Run::new(Dispatch::Invocations(s.tiles()));
-            self.scan.record(recorder, cloud.tile_counts.slice(first, u64::from(s.large)), pair_offsets)?;
-            recorder.fill("project/clear", cursors, 0)?;
-            recorder.run(&TileCount { view, bounds, large, pair_offsets, stats, counts: cursors }, push, &run)?;
-            self.scan.record(recorder, cursors, starts)?;
-            recorder.copy("tiles/cursors", starts, cursors)?;
-            let entries = self.entries_of(all, chunk);
-            recorder.run(&TileStore { view, bounds, large, pair_offsets, stats, cursors, entries }, push, &run)?;
-            let (ends, next) = (cursors.first(len - 1), starts.skip(1));
-            recorder.agree("tiles/store", "tile", ends, Expected::Words(next))?;
+        for (chunk, ((first, _), s)) in cloud.chunks().zip(all).enumerate().filter(|(_, (_, s))| s.large > 0) {
+            let counts = cloud.tile_counts.slice(first, u64::from(s.large));
+            self.scan.record(recorder, counts, self.offsets_of(all, chunk))?;
         }
         Ok(())
     }
 
-    /// Returns the first entry of each tile of a chunk; a stand-in if the chunk has no large splat or no tiles were
-    /// made.
-    pub fn starts_of(&self, stats: &[Stats], chunk: usize, window: Window) -> Slice<'_, u32> {
-        let end = (chunk as u64 + 1) * stride(window);
-        if stats[chunk].large == 0 || self.starts.get().len() < end {
-            return self.starts.get().slice(0, 1);
+    /// Returns the first pair of each large splat of a chunk; a stand-in if the chunk has none or no pairs were made.
+    pub fn offsets_of(&self, stats: &[Stats], chunk: usize) -> Slice<'_, u32> {
+        let (start, large) = (elements(&stats[..chunk]), u64::from(stats[chunk].large));
+        if large == 0 || self.pair_offsets.get().len() < start + large {
+            return self.pair_offsets.get().slice(0, 1);
         }
-        self.starts.get().slice(chunk as u64 * stride(window), stride(window))
-    }
-
-    /// Returns splats of the tiles of a chunk; a stand-in if the chunk has no large splat or no tiles were made.
-    pub fn entries_of(&self, stats: &[Stats], chunk: usize) -> Slice<'_, u32> {
-        let start: u64 = stats[..chunk].iter().map(|s| aligned(s.tiles())).sum();
-        let pairs = stats[chunk].tiles();
-        if pairs == 0 || self.entries.get().len() < start + pairs {
-            return self.entries.get().slice(0, 1);
-        }
-        self.entries.get().slice(start, pairs)
+        self.pair_offsets.get().slice(start, large)
     }
 }
 
-/// Elements between the starts of two chunks' tiles.
-fn stride(window: Window) -> u64 {
-    let [columns, rows] = grid(window);
-    aligned(u64::from(columns) * u64::from(rows) + 1)
+/// Large splats of the chunk with the most.
+fn most(stats: &[Stats]) -> u64 {
+    stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0)
 }
 
-/// Elements of four bytes up to the next multiple of every offset alignment.
-fn aligned(elements: u64) -> u64 {
-    elements.next_multiple_of(64)
+/// Elements of all chunks, each of which begins at a multiple of every offset alignment.
+fn elements(stats: &[Stats]) -> u64 {
+    stats.iter().map(|s| u64::from(s.large).next_multiple_of(64)).sum()
 }
-
-/// Returns the passes with their variants.
-pub fn shaders() -> Vec<Shader> {
-    vec![Shader::plain::<TileCount>(), Shader::plain::<TileStore>()]
-}
-
-/// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 1] = [("TILE", TILE)];

@@ -144,7 +144,7 @@ fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
 }
 
 /// Numbers that a stage sets once and for all, or that a frame decides: not choices.
-const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
+const NUMBERS: [&str; 6] = ["PART_LENGTH", "RUN", "SHARED", "STEP", "STRIPES", "TAKEN"];
 
 /// A choice of the frame, which recordings give to every pass whose shader has it.
 const GIVEN: &str = "QUARTERS";

@@ -10,7 +10,7 @@ use pellucid_core::points::Points;
 use pellucid_engine::methods::spbr::Form;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan::plan;
-use pellucid_gpu::Device;
+use pellucid_gpu::{Device, Preferences};
 use pellucid_reference::View;
 use pellucid_reference::range::ROUNDING;
 use pellucid_reference::spbr::{self as reference, Ranges};
@@ -276,6 +276,40 @@ fn images_are_those_of_the_reference() {
             }
         }
     });
+}
+
+#[test]
+fn squares_that_a_workgroup_shares_have_the_bytes_of_those_walked_alone() {
+    let list = mixture(8);
+    let lambert = Shading { model: ShadingModel::Lambert, light: Light::Headlight, ..Shading::default() };
+    // From points of a pixel to squares of the whole image, two cameras among the points.
+    let distances = [20.0, 6.0, 2.2, 1.6, 1.5, 1.45, 1.4, 1.0, 0.5];
+    let run = |spread_squares: bool| {
+        let mut found = Vec::new();
+        with_device_that_prefers(Preferences { spread_squares, ..Preferences::CPU }, |device| {
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            for (number, distance) in distances.into_iter().enumerate() {
+                let shading = if number % 2 == 0 { Shading::NONE } else { lambert };
+                let frame = Frame { shading, spread: number < 3, ..frame(camera(distance, true), SIZE, method(9)) };
+                let listed = render_on(&mut renderer, &list, &frame).facts.listed;
+                for (form, image) in all_forms(&mut renderer, &list, &frame) {
+                    let stderr = image.stderr.iter().flatten().flatten().map(|v| v.to_bits());
+                    found.push((form, listed, bits(&image).into_iter().chain(stderr).collect::<Vec<u32>>()));
+                }
+            }
+        });
+        found
+    };
+    let (alone, shared) = (run(false), run(true));
+    assert_eq!(alone.len(), shared.len());
+    let mut lists = [0; 3];
+    for ((form, listed, bytes), (_, fewer, other)) in alone.iter().zip(&shared) {
+        assert!(bytes == other, "{form:?}, on a list: {listed}, {fewer}");
+        lists[usize::from(*listed) + usize::from(*fewer)] += 1;
+        assert!(*listed || !fewer);
+    }
+    // No list, a list of squares over 64 pixels alone, and one of those over 4096.
+    assert!(alone.is_empty() || lists.iter().all(|count| *count > 0), "{lists:?}");
 }
 
 fn all_forms(renderer: &mut Renderer, list: &Dealt, frame: &Frame) -> Vec<(Option<Form>, Image)> {

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::Recorder;
-use super::barriers::Touch;
+use super::barriers::{Kind, Touch};
 use crate::RawSlice;
 
 /// Most bytes of one update.
@@ -13,7 +13,7 @@ impl Recorder<'_> {
     /// Begins a condition: dispatches and draws run only if the word is not 0. The end of the recording ends it.
     pub(crate) fn begin_condition(&mut self, word: RawSlice) {
         self.end_condition();
-        self.barrier_before(&[Touch::read(word)]);
+        self.barrier_before(Kind::Other, &[Touch::read(word)]);
         let Some(conditional) = &self.context.conditional else { return };
         let begin = vk::ConditionalRenderingBeginInfoEXT::default().buffer(word.buffer).offset(word.offset);
         // SAFETY: the extension is enabled; the command buffer is recording outside of a render pass and of a
@@ -31,7 +31,7 @@ impl Recorder<'_> {
     }
 
     pub(crate) fn update_raw(&mut self, to: RawSlice, bytes: &[u8]) {
-        self.barrier_before(&[Touch::write(RawSlice { bytes: bytes.len() as u64, ..to })]);
+        self.barrier_before(Kind::Other, &[Touch::write(RawSlice { bytes: bytes.len() as u64, ..to })]);
         self.guards.note_write(to);
         for (number, part) in bytes.chunks(UPDATE_BYTES).enumerate() {
             let offset = to.offset + (number * UPDATE_BYTES) as u64;

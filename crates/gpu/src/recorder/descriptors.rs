@@ -7,7 +7,7 @@ use super::barriers::Touch;
 use super::draw::READ;
 use crate::guard;
 use crate::pipeline::Pipeline;
-use crate::{Access, Declaration, Error, RawSlice, Resource};
+use crate::{Access, Context, Declaration, Error, RawSlice, Resource};
 
 /// Descriptor sets and storage descriptors of one pool.
 const POOL_SETS: u32 = 128;
@@ -23,12 +23,13 @@ impl Recorder<'_> {
         let limit = self.context.limits.binding_bytes;
         let needed = resources.len() as u32;
         if self.sets_left == 0 || self.descriptors_left < needed {
-            self.new_pool()?;
+            self.next_pool()?;
         }
         self.sets_left -= 1;
         self.descriptors_left -= needed;
         let layouts = [pipeline.set_layout];
-        let pool = *self.pools.last().unwrap_or(&vk::DescriptorPool::null());
+        let pool = self.taken.as_ref().and_then(|taken| taken.descriptor_pools.get(self.pools - 1));
+        let pool = *pool.unwrap_or(&vk::DescriptorPool::null());
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         // SAFETY: the pool has room for the set: counted above.
         let set = unsafe { self.context.device.allocate_descriptor_sets(&info) }
@@ -76,19 +77,27 @@ impl Recorder<'_> {
         Ok((set, touches))
     }
 
-    fn new_pool(&mut self) -> Result<(), Error> {
+    /// Goes on with the next pool, which is made unless it was kept.
+    fn next_pool(&mut self) -> Result<(), Error> {
         let per_set = 16;
-        let sizes = [
-            vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: per_set * POOL_SETS },
-            vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER, descriptor_count: per_set * POOL_SETS },
-            vk::DescriptorPoolSize { ty: vk::DescriptorType::SAMPLED_IMAGE, descriptor_count: per_set * POOL_SETS },
-        ];
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(POOL_SETS).pool_sizes(&sizes);
-        // SAFETY: a live device; destroyed in drop.
-        let pool = unsafe { self.context.device.create_descriptor_pool(&info, None) }
-            .map_err(Error::call("vkCreateDescriptorPool"))?;
-        self.pools.push(pool);
+        let Some(taken) = &mut self.taken else { return Ok(()) };
+        if taken.descriptor_pools.len() == self.pools {
+            taken.descriptor_pools.push(new_pool(&self.context, per_set)?);
+        }
+        self.pools += 1;
         (self.sets_left, self.descriptors_left) = (POOL_SETS, per_set * POOL_SETS);
         Ok(())
     }
+}
+
+/// Makes a pool of descriptor sets.
+fn new_pool(context: &Context, per_set: u32) -> Result<vk::DescriptorPool, Error> {
+    let sizes = [
+        vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: per_set * POOL_SETS },
+        vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER, descriptor_count: per_set * POOL_SETS },
+        vk::DescriptorPoolSize { ty: vk::DescriptorType::SAMPLED_IMAGE, descriptor_count: per_set * POOL_SETS },
+    ];
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(POOL_SETS).pool_sizes(&sizes);
+    // SAFETY: a live device; the pool is destroyed with the command buffer that it is kept with.
+    unsafe { context.device.create_descriptor_pool(&info, None) }.map_err(Error::call("vkCreateDescriptorPool"))
 }

@@ -3,6 +3,7 @@
 use ash::vk;
 
 use super::Recorder;
+use super::barriers::Kind;
 use crate::barriers::image_barriers;
 use crate::pipeline::{Outputs, Pipeline};
 use crate::{Attachment, Blend, Declaration, Error, Pass, RawSlice, Resource, Slice, Variant};
@@ -97,7 +98,7 @@ impl<'a> Recorder<'a> {
         let (set, touches) = self.descriptors(pass, &pipeline, pass.name, resources)?;
         // Attachments are not looked at one by one.
         self.touch_more();
-        self.begin_pass(pass.name, true, &touches)?;
+        self.begin_pass(pass.name, true, Kind::Other, &touches)?;
         let extent = vk::Extent2D { width: draw.area[0], height: draw.area[1] };
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
         let viewport = vk::Viewport {

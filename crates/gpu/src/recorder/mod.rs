@@ -23,10 +23,11 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
-use self::barriers::{Touch, Touched};
+use self::barriers::{Kind, Touch, Touched};
 use self::times::Queries;
 use super::agree::Agreement;
-use super::context::{Commands, lock};
+use super::commands::Commands;
+use super::context::lock;
 use super::guard::Guards;
 use super::paused::DeletionHold;
 use super::pipeline::Pipeline;
@@ -59,6 +60,15 @@ impl<'a> Run<'a> {
     }
 }
 
+/// The stages of a run.
+fn kind(run: &Run<'_>) -> Kind {
+    match run.dispatch {
+        // Other stages than that of the shader read the numbers of workgroups.
+        Dispatch::Indirect(_) => Kind::Other,
+        _ => Kind::Compute,
+    }
+}
+
 /// A finished submission.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Submitted {
@@ -80,9 +90,11 @@ pub type Given = (&'static str, f64);
 pub struct Recorder<'a> {
     context: Arc<Context>,
     commands: vk::CommandBuffer,
-    taken: Commands,
+    /// There until it is given back.
+    taken: Option<Commands>,
     pipelines: Vec<Arc<Pipeline>>,
-    pools: Vec<vk::DescriptorPool>,
+    /// Pools of descriptor sets that are in use, the first ones of those that were taken.
+    pools: usize,
     sets_left: u32,
     descriptors_left: u32,
     queries: Vec<Queries>,
@@ -106,9 +118,9 @@ impl<'a> Recorder<'a> {
         let mut recorder = Self {
             context: context.clone(),
             commands: commands.buffer,
-            taken: commands,
+            taken: Some(commands),
             pipelines: Vec::new(),
-            pools: Vec::new(),
+            pools: 0,
             sets_left: 0,
             descriptors_left: 0,
             queries: Vec::new(),
@@ -209,7 +221,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<(), Error> {
         let name = run.label.unwrap_or(pass.name);
         let (pipeline, set, touches) = self.prepare(pass, resources, run, name)?;
-        self.begin_pass(name, true, &touches)?;
+        self.begin_pass(name, true, kind(run), &touches)?;
         self.dispatch(pass, &pipeline, set, push, run)?;
         self.end_pass();
         self.pipelines.push(pipeline);
@@ -221,7 +233,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn run_untimed<P: Pass>(&mut self, pass: &P, push: P::Push, run: &Run<'_>) -> Result<(), Error> {
         let (declared, push) = (&P::DECLARATION, bytemuck::bytes_of(&push));
         let (pipeline, set, touches) = self.prepare(declared, &pass.resources(), run, declared.name)?;
-        self.barrier_before(&touches);
+        self.barrier_before(kind(run), &touches);
         self.dispatch(declared, &pipeline, set, push, run)?;
         self.pipelines.push(pipeline);
         Ok(())
@@ -285,7 +297,7 @@ impl<'a> Recorder<'a> {
 
     /// Fills a range with copies of one word, as a pass of its own.
     pub fn fill<T: GpuType>(&mut self, name: &'static str, target: Slice<'a, T>, word: u32) -> Result<(), Error> {
-        self.begin_pass(name, false, &[Touch::write(target.raw())])?;
+        self.begin_pass(name, false, Kind::Other, &[Touch::write(target.raw())])?;
         let raw = target.raw();
         self.guards.note_write(raw);
         // SAFETY: ranges of buffers are multiples of four bytes for every `GpuType`.
@@ -297,7 +309,7 @@ impl<'a> Recorder<'a> {
     /// Copies one range into another of the same length, as a pass of its own.
     pub fn copy<T: GpuType>(&mut self, name: &'static str, from: Slice<'a, T>, to: Slice<'a, T>) -> Result<(), Error> {
         assert_eq!(from.len(), to.len(), "{name}: ranges of different length");
-        self.begin_pass(name, false, &[Touch::read(from.raw()), Touch::write(to.raw())])?;
+        self.begin_pass(name, false, Kind::Other, &[Touch::read(from.raw()), Touch::write(to.raw())])?;
         self.guards.note_write(to.raw());
         self.copy_command(from.raw(), to.raw());
         self.end_pass();
@@ -313,7 +325,7 @@ impl<'a> Recorder<'a> {
 
     /// A copy that is not timed.
     pub(super) fn copy_raw(&mut self, _name: &'static str, from: RawSlice, to: RawSlice) {
-        self.barrier_before(&[Touch::read(from), Touch::write(to)]);
+        self.barrier_before(Kind::Other, &[Touch::read(from), Touch::write(to)]);
         self.copy_command(from, to);
     }
 
@@ -343,10 +355,10 @@ impl<'a> Recorder<'a> {
         self.host_barrier();
         let guard = lock(&context.submission);
         let device = &context.device;
-        // SAFETY: the command buffer is complete; the fence is waited for and destroyed here.
+        let fence = self.taken.as_ref().map_or(vk::Fence::null(), |taken| taken.fence);
+        // SAFETY: the command buffer is complete; the fence is not signaled, and is waited for here.
         let (begin, wall) = unsafe {
             device.end_command_buffer(self.commands).map_err(lost("vkEndCommandBuffer"))?;
-            let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(lost("vkCreateFence"))?;
             let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&command);
             let begin = Instant::now();
@@ -360,7 +372,6 @@ impl<'a> Recorder<'a> {
                 .and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX))
                 .and_then(|()| crate::fault::vulkan("wait"));
             let wall = begin.elapsed();
-            device.destroy_fence(fence, None);
             result.map_err(lost("vkQueueSubmit2"))?;
             (begin, wall)
         };
@@ -377,9 +388,6 @@ impl Drop for Recorder<'_> {
         let device = &self.context.device;
         // SAFETY: either never submitted or waited for in `submit`.
         unsafe {
-            for pool in &self.pools {
-                device.destroy_descriptor_pool(*pool, None);
-            }
             for queries in &self.queries {
                 device.destroy_query_pool(queries.stamps, None);
                 if let Some(pool) = queries.statistics {
@@ -388,6 +396,8 @@ impl Drop for Recorder<'_> {
             }
         }
         // Kept and not freed: old validation layers race with whoever frees one (CONTRIBUTING.md).
-        self.context.give_commands_back(self.taken);
+        if let Some(taken) = self.taken.take() {
+            self.context.give_commands_back(taken);
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use super::Recorder;
-use super::barriers::Touch;
+use super::barriers::{Kind, Touch};
 use crate::Error;
 use crate::clock::Calibrator;
 
@@ -45,7 +45,13 @@ pub(super) struct Queries {
 }
 
 impl Recorder<'_> {
-    pub(super) fn begin_pass(&mut self, name: &'static str, counted: bool, touches: &[Touch]) -> Result<(), Error> {
+    pub(super) fn begin_pass(
+        &mut self,
+        name: &'static str,
+        counted: bool,
+        kind: Kind,
+        touches: &[Touch],
+    ) -> Result<(), Error> {
         let index = self.passes.len() as u32 % QUERY_PASSES;
         let is_stamped = self.stamps == Stamps::Passes;
         if is_stamped {
@@ -55,7 +61,7 @@ impl Recorder<'_> {
             }
             self.passes.push((name, counted));
         }
-        self.barrier_before(touches);
+        self.barrier_before(kind, touches);
         if let Some(debug) = &self.context.debug {
             let label_name = CString::new(name).unwrap_or_default();
             let label = vk::DebugUtilsLabelEXT::default().label_name(&label_name);

@@ -100,7 +100,7 @@ fn ellipsoids(plan: &mut FramePlan<'_>, long_lists: LongLists, linked: bool) {
     plan.add("ellipsoids/count", plan.seen(), events);
     plan.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
-    let tiled = plan.tiles(facts.large);
+    let tiled = plan.pairs(facts.large);
     plan.scan(counts.max(tiled), "counters of events and tiles");
     let slots = if linked { "linked lists reserve no slots" } else { "each list starts with its first slot free" };
     plan.add("abuffer/cursors", !linked, slots);
@@ -151,7 +151,7 @@ fn count(plan: &mut FramePlan<'_>, why: &str, visited: bool, others: u64, linked
     plan.add("abuffer/measure", true, format!("the longest list has {} fragments", facts.max_list));
     // One more element than pixels: the last prefix sum is the total.
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
-    let tiled = if visited { plan.tiles(facts.large) } else { 0 };
+    let tiled = if visited { plan.pairs(facts.large) } else { 0 };
     plan.scan(counts.max(tiled).max(others), "counters of fragments, tiles and digits");
     let slots = if linked { "linked lists reserve no slots" } else { "each list starts with its first slot free" };
     plan.add("abuffer/cursors", !linked, slots);

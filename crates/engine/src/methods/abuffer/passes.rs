@@ -208,9 +208,12 @@ pass! {
         fragments: ReadWrite<[u32; 2]>,
     }
 
-    /// Merges pairs of sorted runs: 256 fragments of the result per invocation, which finds its part of both runs by
-    /// bisection (merge path). It repeats with doubled width.
-    pub Merge(MergePush) = "abuffer/merge" {
+    /// Merges pairs of sorted runs: 256 fragments of the result per invocation, or per workgroup in the memory that it
+    /// shares (`abuffer/merge_group`), whichever the device prefers. Their part of both runs is found by bisection
+    /// (merge path). It repeats with doubled width.
+    pub Merge(MergePush) = "abuffer/merge" in "abuffer/merge",
+    /// Merges pairs of sorted runs, 256 fragments of the result per workgroup.
+    pub MergeGroup(MergePush) = "abuffer/merge" in "abuffer/merge_group" {
         work: ReadWrite<LongWork>,
         runs: Read<ListRun>,
         unmerged: Read<[u32; 2]>,

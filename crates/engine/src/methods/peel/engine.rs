@@ -66,8 +66,8 @@ impl Explain for PeelEngine {
     fn explain(&self, plan: &mut FramePlan<'_>) {
         plan.projected();
         let (seen, why, layers) = (plan.seen(), plan.why, self.peel.layers);
-        let tiled = plan.tiles(plan.facts.large);
-        plan.scan(tiled, "tiles of large splats");
+        let tiled = plan.pairs(plan.facts.large);
+        plan.scan(tiled, "tiles of each large splat");
         let counted = "list lengths are counted only for `pellucid profile` and --aov";
         plan.add("peel/clear", true, "nothing is peeled yet");
         plan.add("peel/count", seen && plan.frame.fragments, if seen { counted } else { NOTHING });

@@ -323,7 +323,7 @@ impl Peeler {
     ) -> Result<(), Error> {
         let PeelJob { raster, slots, .. } = *job;
         let (nearest, last, work) = (self.slots(job), self.last.get().all(), self.work.all());
-        let all = (&Band::whole(raster.window, 0), SEGMENT);
+        let all = &Band::whole(raster.window, 0);
         let (visits, same) = (Some(arguments.skip(4)), |variant| variant);
         if job.wide {
             let wide = nearest.cast();

@@ -59,7 +59,7 @@ fn events(plan: &mut FramePlan<'_>, softs: &str, counters: u64, (interior, way):
     plan.add("soft/count", seen, pick(softs));
     plan.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
-    let tiled = plan.tiles(facts.soft_large);
+    let tiled = plan.pairs(facts.soft_large);
     plan.scan(counts.max(tiled).max(counters), "counters of events, tiles and digits");
     plan.add("abuffer/cursors", true, "each list starts with its first slot free");
     plan.add("abuffer/summary", true, "the total number of events decides how many bands the image is split into");

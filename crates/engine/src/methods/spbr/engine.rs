@@ -1,8 +1,10 @@
 //! The engine of `spbr` and `spbr-simplified`.
 
 use super::share::Share;
-use super::window_pixels;
-use super::{Ensembles, Form, Scale, SpbrJob, adjusted, is_listed, least_bytes, shares, slots_of, stream, thin};
+use super::{
+    Ensembles, Form, Scale, SpbrJob, adjusted, is_listed, least_bytes, shares, slots_of, small_square, stream,
+};
+use super::{thin, window_pixels};
 use crate::methods::parts::Sums;
 use crate::methods::prelude::*;
 
@@ -73,7 +75,7 @@ impl Engine for EnsembleEngine {
         facts.slots = shares.iter().map(|s| slots(s, drawn.end) - slots(s, drawn.start)).sum();
         facts.thin = thin(&shares);
         facts.adjusted = adjusted(cloud, frame);
-        facts.listed = is_listed(&shares);
+        facts.listed = is_listed(&shares, small_square(device.info().prefers.spread_squares));
         facts.streamed = streamed;
         if !work.survey {
             cloud.reach(shares.iter().map(|s| slots(s, drawn.end)), work.progress)?;
@@ -94,6 +96,7 @@ impl Engine for EnsembleEngine {
             streamed,
             most_epoch_bits: work.switches.epoch_bits,
             concurrent: device.info().prefers.concurrent_runs,
+            shares_squares: device.info().prefers.spread_squares,
             budget: work.budget,
         };
         work.facts.renewed |= job.is_renewed();
@@ -148,8 +151,9 @@ impl Explain for EnsembleEngine {
         };
         plan.add("spbr/upload", any && facts.streamed.is_some(), facts.streamed.map_or_else(whole, part));
         explain_stages(plan, any);
-        let wide = "points may cover more than 64 pixels; a whole workgroup fills each of these";
-        let narrow = "no point can be wider than 7 pixels";
+        let small = small_square(plan.device.info().prefers.spread_squares);
+        let wide = format!("points may cover more than {small} pixels; a whole workgroup fills each of these");
+        let narrow = format!("no point can be wider than {} pixels", small.isqrt() - 1);
         plan.add("spbr/large", any && facts.listed, if facts.listed { wide } else { narrow });
         let epochs = "the index and the epoch of a point share 32 bits";
         let renewed = if facts.renewed { "there are more ensembles than epochs" } else { "there are enough epochs" };

@@ -2,11 +2,11 @@
 
 use std::iter::Peekable;
 
-use super::RUN;
 use super::job::{Scale, SpbrJob};
 use super::key;
 use super::passes::*;
 use super::rounds::Piece;
+use super::run;
 use super::stream::Stream;
 use super::tasks::{Task, Tasks};
 use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
@@ -226,8 +226,9 @@ impl Ensembles {
         let stage = task.stage;
         let count = task.piece.slots.end - task.piece.slots.start;
         let (kind, again) = (job.kind(), task.piece.rows.is_some());
-        let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN)));
-        let walk = (run, kind.variant(stage, Through::Slots { again }));
+        let spread = job.shares_squares;
+        let walk = Run::new(Dispatch::Invocations(count.div_ceil(run(spread))));
+        let walk = (walk, kind.variant(stage, Through::Slots { again, spread }));
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
         if !job.listed() {
             self.record_stage(device, recorder, job, task, walk)?;

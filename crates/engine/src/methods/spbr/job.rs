@@ -3,7 +3,7 @@
 use super::rounds::{Epochs, epoch_bits};
 use super::share::Share;
 use super::variants::{Form, SpbrKind};
-use super::{is_listed, largest};
+use super::{is_listed, largest, small_square};
 use crate::methods::prelude::*;
 use crate::scene::Spbr;
 
@@ -12,7 +12,7 @@ const ROUND_SLOTS: u64 = 1 << 10;
 /// Most slots of a dispatch, and of one whose large squares may all be on the list.
 const DISPATCH_SLOTS: u64 = 1 << 24;
 /// See [`DISPATCH_SLOTS`].
-const LISTED_SLOTS: u64 = 1 << 17;
+const LISTED_SLOTS: u64 = 1 << 20;
 /// Most ensembles of a round.
 const MOST_PLANES: u64 = 4096;
 /// Steps of an invocation of a large square at most.
@@ -48,6 +48,8 @@ pub struct SpbrJob<'a> {
     pub most_epoch_bits: u32,
     /// Pieces of work that keep the device busy.
     pub concurrent: u64,
+    /// `true` if the invocations of a workgroup share the pixels of its squares.
+    pub shares_squares: bool,
     /// The budget.
     pub budget: Budget,
 }
@@ -71,7 +73,7 @@ impl SpbrJob<'_> {
     }
 
     pub(super) fn listed(&self) -> bool {
-        is_listed(self.shares)
+        is_listed(self.shares, small_square(self.shares_squares))
     }
 
     /// Returns the largest number of slots of a dispatch.
@@ -79,7 +81,7 @@ impl SpbrJob<'_> {
         if !self.listed() {
             return DISPATCH_SLOTS;
         }
-        LISTED_SLOTS.min(self.budget.bytes / 8 / 32).max(64)
+        LISTED_SLOTS.min(self.budget.bytes / 8 / 32).min(self.budget.binding / 32).max(64)
     }
 
     /// Ensembles of a round: as many as planes fit a binding and half of the budget, but no more than make it worth

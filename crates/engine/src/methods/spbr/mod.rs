@@ -34,12 +34,18 @@ use crate::passes::project::{DeviceCloud, Placed};
 use crate::prepare::ensembles::slots;
 use crate::random;
 
-/// Slots of one invocation, at most 32.
-const RUN: u64 = 16;
-/// Pixels of a square that one invocation walks: larger ones go to a list.
-const SMALL_SQUARE: u32 = 64;
-/// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 1] = [("SMALL_SQUARE", SMALL_SQUARE)];
+/// Returns the slots of one invocation, at most 32; `spread`: the device prefers squares that a workgroup shares, and
+/// many invocations to few that go on long.
+fn run(spread: bool) -> u64 {
+    if spread { 2 } else { 16 }
+}
+
+/// Returns the pixels of a square at most that one invocation walks, or that the invocations of a workgroup share with
+/// others: larger ones go to a list.
+pub fn small_square(spread: bool) -> u32 {
+    if spread { 4096 } else { 64 }
+}
+
 /// Separates the random words of this method from those of `stochastic`: "SPBR", exclusive-or the second word of the
 /// key.
 const STREAM: u32 = 0x5350_4252;
@@ -89,9 +95,10 @@ fn largest(shares: &[Share]) -> f64 {
     shares.iter().map(|s| s.largest).fold(0.0, f64::max)
 }
 
-/// Returns `true` if squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
-pub fn is_listed(shares: &[Share]) -> bool {
-    (largest(shares).sqrt() + 1.0).powi(2) > f64::from(SMALL_SQUARE)
+/// Returns `true` if squares may have more than `small` pixels and so go to a list: a side of up to `s` pixels touches
+/// `s + 1`.
+pub fn is_listed(shares: &[Share], small: u32) -> bool {
+    (largest(shares).sqrt() + 1.0).powi(2) > f64::from(small)
 }
 
 /// Returns the number of bytes that a pass must at least read and write; `pixels` of the image.

@@ -119,7 +119,7 @@ pass! {
         squares: ReadWrite<u32>,
     }
 
-    /// Turns the number of squares over 64 pixels into the arguments of the dispatch that fills them, workgroup by
+    /// Turns the number of large squares into the arguments of the dispatch that fills them, workgroup by
     /// workgroup. It runs after each dispatch over slots where such squares are possible.
     pub Large(LargePush) = "spbr/large" {
         counters: Read<Counters>,

@@ -1,7 +1,7 @@
 //! Forms in which the nearest points are found, and the variants of the passes.
 
-use super::RUN;
 use super::passes::{Draw, Large, Nearest, NearestDepth, NearestId, Renew, Resolve, Sum};
+use super::{run, small_square};
 use crate::methods::prelude::*;
 use crate::passes::project::Shaded;
 use crate::scene::{ColorSpace, ShadingModel};
@@ -91,6 +91,8 @@ pub(super) enum Through {
     Slots {
         /// `true` if they are of a later pass over the cloud.
         again: bool,
+        /// `true` if the invocations of a workgroup share the pixels of its squares.
+        spread: bool,
     },
     /// So many workgroups for each square of the list of large ones.
     Large {
@@ -101,7 +103,8 @@ pub(super) enum Through {
 
 impl Choices for Through {
     fn all() -> Vec<Self> {
-        vec![Self::Slots { again: false }, Self::Slots { again: true }, Self::Large { stripes: 3 }]
+        let slots = <(bool, bool)>::all().into_iter().map(|(again, spread)| Self::Slots { again, spread });
+        slots.chain([Self::Large { stripes: 3 }]).collect()
     }
 }
 
@@ -121,9 +124,10 @@ impl SpbrKind {
             .with("SQUARES", u32::from(self.squares))
             .with("PLANES", u32::from(self.planes));
         let variant = match through {
-            Through::Slots { again } => variant
-                .walker("spbr_slots")
-                .with("RUN", RUN as u32)
+            Through::Slots { again, spread } => variant
+                .walker(if spread && self.squares { "spbr_spread" } else { "spbr_slots" })
+                .with("RUN", run(spread) as u32)
+                .with("SMALL_SQUARE", small_square(spread))
                 .with("COUNTED", u32::from(stage.counts()))
                 .with("AGAIN", u32::from(again)),
             Through::Large { stripes } => variant.walker("spbr_large").with("STRIPES", stripes),

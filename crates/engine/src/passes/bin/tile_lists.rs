@@ -20,13 +20,14 @@ impl Bins {
         let (counts, cursors) = (self.counts.get().slice(0, cells), self.cursors.get().slice(0, cells));
         recorder.fill("bin/clear", counts, 0)?;
         recorder.fill("bin/clear", self.scan.overflow.all(), 0)?;
+        // Before the dispatches, so that only they wait for one another.
+        recorder.fill("bin/clear", self.longest.all(), 0)?;
         let (cloud, records) = (job.raster.cloud, self.records[records].get().all());
         let run = Run::new(Dispatch::Invocations(binning.drawn)).variant(count_variant(binning.pairs));
         let count = TileCount { view: cloud.view(), records, bounds: cloud.bounds.all(), counts };
         recorder.run(&count, binning.push(), &run)?;
         self.scan.record(recorder, counts, cursors)?;
         let (tiles, longest) = (binning.tiles(), self.longest.all());
-        recorder.fill("bin/clear", longest, 0)?;
         let run = Run::new(Dispatch::Invocations(tiles));
         let push = MeasurePush { tiles: tiles as u32, runs: binning.runs.runs };
         Ok(recorder.run(&Measure { starts: cursors, longest }, push, &run)?)

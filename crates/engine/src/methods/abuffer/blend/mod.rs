@@ -415,7 +415,16 @@ impl Blender {
         let (mut unmerged, mut merged) = (fragments, spare);
         let mut width = LOCAL_LENGTH;
         while width < longest {
-            recorder.run(&Merge { work, runs, unmerged, merged }, MergePush { width }, &over_long(work, RUN_GROUPS))?;
+            let push = MergePush { width };
+            match self.shared {
+                true => {
+                    let over_runs = over_long(work, WHOLE_GROUPS);
+                    recorder.run(&MergeGroup { work, runs, unmerged, merged }, push, &over_runs)?;
+                }
+                false => {
+                    recorder.run(&Merge { work, runs, unmerged, merged }, push, &over_long(work, RUN_GROUPS))?;
+                }
+            }
             (unmerged, merged) = (merged, unmerged);
             width = width.saturating_mul(2);
         }
@@ -518,6 +527,7 @@ pub(super) fn shaders() -> Vec<Shader> {
         Shader::new::<SortRuns>([sort_runs_variant()]),
         Shader::plain::<SortRunsGroup>(),
         Shader::plain::<Merge>(),
+        Shader::plain::<MergeGroup>(),
         Shader::plain::<MergeInPlace>(),
         Shader::new::<BlendRuns>(compose::variants().into_iter().flat_map(runs)),
         Shader::new::<Combine>(runs(Variant::plain())),

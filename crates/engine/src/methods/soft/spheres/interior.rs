@@ -4,8 +4,6 @@ use crate::methods::prelude::*;
 use crate::passes::project::ShellCount;
 use crate::scene::{MAX_SHELLS, Shells, SoftLayout};
 
-/// Large splats that a workgroup stores where they have shells.
-pub(super) const SHELLS_SEGMENT: u32 = 768;
 /// A sphere whose density falls off linearly, and shells of constant density: values of `MODEL` in WGSL.
 pub(super) const MODEL_BASE: u32 = 0;
 const MODEL_CONCENTRIC: u32 = 1;
@@ -51,12 +49,6 @@ impl Interior {
     /// Returns `true` if the spheres of a pixel must be counted besides its events.
     pub fn counted(self) -> bool {
         self.most_shells() > 1
-    }
-
-    /// Large splats of a tile that one workgroup stores: an invocation has four pixels of each, and a loop of up to 16
-    /// turns over the shells in each pixel.
-    pub(super) fn segment(self) -> u32 {
-        if self.counted() { SHELLS_SEGMENT } else { SEGMENT }
     }
 
     /// Bits of an event's index for the shell, as shaders/shared/sphere.wgsl counts them.

@@ -120,7 +120,7 @@ impl StoreFragments for Spheres<'_> {
         let solids = self.solids(counts);
         let stage = |chunk: Chunk<'a>| Count { chunk, solids, counts, spheres };
         let with = |variant| count_variant(variant, self.kind.interior, self.layer.is_some());
-        Ok(raster.record_with(recorder, (&whole, SEGMENT), stage, None, with)?)
+        Ok(raster.record_with(recorder, &whole, stage, None, with)?)
     }
 
     fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, storing: Storing<'a>) -> Result<(), Error> {
@@ -132,7 +132,7 @@ impl StoreFragments for Spheres<'_> {
             Store { chunk, solids, cursors, fragments, colors, records }
         };
         let with = |variant| store_variant(variant, self.kind.interior, self.layer.is_some());
-        Ok(raster.record_with(recorder, (&band, self.kind.interior.segment()), stage, None, with)?)
+        Ok(raster.record_with(recorder, &band, stage, None, with)?)
     }
 
     fn record_blend<'a>(&'a self, recorder: &mut Recorder<'a>, blending: &Blending<'a>) -> Result<(), Error> {
@@ -221,10 +221,9 @@ fn resolve_variant(kind: SphereKind, cut: Cut, stop: u32, sorting: Sorting, capa
 
 /// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let walked = |of: fn(Variant, Interior, bool) -> Variant, segment: fn(Interior) -> u32| {
-        let spheres =
-            |interior| raster::computed_variants(&[Footprint::Sphere, Footprint::ExactSphere], segment(interior));
-        let of = |(interior, cut)| spheres(interior).into_iter().map(move |walker| of(walker, interior, cut));
+    let walked = |of: fn(Variant, Interior, bool) -> Variant| {
+        let spheres = || raster::computed_variants(&[Footprint::Sphere, Footprint::ExactSphere]);
+        let of = |(interior, cut)| spheres().into_iter().map(move |walker| of(walker, interior, cut));
         <(Interior, bool)>::all().into_iter().flat_map(of).collect::<Vec<_>>()
     };
     let blended = |of: &dyn Fn(SphereKind, Cut) -> Vec<Variant>| {
@@ -235,8 +234,8 @@ pub(super) fn shaders() -> Vec<Shader> {
     };
     let runs = || blended(&|kind, cut| vec![run_variant(kind, cut)]);
     vec![
-        Shader::new::<Count>(walked(count_variant, |_| SEGMENT)),
-        Shader::new::<Store>(walked(store_variant, Interior::segment)),
+        Shader::new::<Count>(walked(count_variant)),
+        Shader::new::<Store>(walked(store_variant)),
         Shader::new::<ResolveNetwork>(Sorting::Network.kernels(|sorting, capacity| {
             // There is no list of one event.
             if capacity > 1 { kernels(sorting, capacity) } else { Vec::new() }
@@ -254,10 +253,10 @@ pub(super) fn shaders() -> Vec<Shader> {
 
 #[cfg(test)]
 mod tests {
-    use super::interior::SHELLS_SEGMENT;
     use super::long_lists::SEGMENTS_TAKEN;
     use super::*;
     use crate::methods::abuffer::LOCAL_LENGTH;
+    use crate::passes::tiles::PAIR_RUN;
     use crate::scene::{MAX_SHELLS, Shells, Soft};
 
     /// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
@@ -266,8 +265,8 @@ mod tests {
     #[test]
     fn loops_are_within_the_iterations() {
         const {
-            // Four pixels of each large splat of a segment, and groups of four of the shells after the first.
-            assert!(SHELLS_SEGMENT * (1 + 4 * (1 + (MAX_SHELLS - 1).div_ceil(4))) < MOST_ITERATIONS);
+            // Four pixels of each pair, and groups of four of the shells after the first.
+            assert!(PAIR_RUN * (1 + 4 * (1 + (MAX_SHELLS - 1).div_ceil(4))) < MOST_ITERATIONS);
             // Small splats have up to 1024 pixels.
             assert!(1024 * (1 + (MAX_SHELLS - 1).div_ceil(4)) < MOST_ITERATIONS);
             // Events, and one turn more for each workgroup of them.
