@@ -2,9 +2,9 @@
 // the band's first; cursors, a copy of the offsets, hands them out. The order inside is arbitrary until the sort.
 // Relies on abuffer/count visiting the same pixels. Reference: reference::abuffer::lists, after sorting.
 #import raster
-@group(0) @binding(7) var<storage, read_write> cursors: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> cursors: array<atomic<u32>>;
 // Depth key and index of the splat: their order is the order of blending.
-@group(0) @binding(8) var<storage, read_write> fragments: array<vec2<u32>>;
+@group(0) @binding(9) var<storage, read_write> fragments: array<vec2<u32>>;
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     let p = window_index(pixel, view.window);

@@ -2,8 +2,8 @@
 // a surface. Both counts are zero before the first chunk.
 #import raster
 #import ellipsoid
-@group(0) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> bodies: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> bodies: array<atomic<u32>>;
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     let met = met_by(splat, tilt, pixel);

@@ -2,10 +2,10 @@
 // Relies on ellipsoids/count visiting the same pixels.
 #import raster
 #import ellipsoid
-@group(0) @binding(7) var<storage, read_write> heads: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> node_count: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read_write> nodes: array<vec2<u32>>;
-@group(0) @binding(10) var<storage, read_write> links: array<u32>;
+@group(0) @binding(8) var<storage, read_write> heads: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> node_count: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> nodes: array<vec2<u32>>;
+@group(0) @binding(11) var<storage, read_write> links: array<u32>;
 
 fn hang(p: u32, node: u32, event: vec2<u32>) {
     // There are as many nodes as were counted; should a driver ever disagree with itself, nothing is written outside.

@@ -2,8 +2,8 @@
 // key, and which event it is. Relies on ellipsoids/count visiting the same pixels.
 #import raster
 #import ellipsoid
-@group(0) @binding(7) var<storage, read_write> cursors: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> fragments: array<vec2<u32>>;
+@group(0) @binding(8) var<storage, read_write> cursors: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> fragments: array<vec2<u32>>;
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     let p = window_index(pixel, view.window);

@@ -4,7 +4,7 @@
 #import peel
 #piece
 
-const NEAREST_BINDING = 7;
+const NEAREST_BINDING = 8;
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     let coverage = cover(splat, tilt, pixel);

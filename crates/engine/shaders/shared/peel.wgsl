@@ -3,7 +3,7 @@
 // depth has the key 0.
 #import raster
 #import fragments
-@group(0) @binding(8) var<storage, read> last: array<vec2<u32>>;
+@group(0) @binding(9) var<storage, read> last: array<vec2<u32>>;
 
 // True if a fragment lies behind those that were peeled from its pixel.
 fn is_left(p: u32, key: u32, id: u32) -> bool {

@@ -4,12 +4,25 @@
 #import coverage
 #import splat
 
+// Statistics of a chunk's projection; shared/stats.wgsl explains the members.
+struct ChunkStats {
+    visible: u32,
+    large: u32,
+    tiles_low: u32,
+    tiles_high: u32,
+    widest: u32,
+    tallest: u32,
+    area_low: u32,
+    area_high: u32,
+}
+
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
 @group(0) @binding(2) var<storage, read> tilts: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(4) var<storage, read> large: array<u32>;
 @group(0) @binding(5) var<storage, read> pair_offsets: array<u32>;
 @group(0) @binding(6) var<storage, read> splat_depths: array<f32>;
+@group(0) @binding(7) var<storage, read> stats: array<ChunkStats>;
 #push
 
 fn splat_of(i: u32) -> Splat {

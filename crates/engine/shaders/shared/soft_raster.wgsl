@@ -4,7 +4,7 @@
 
 // 1: what lies behind the solid points is left out.
 override CUT: u32 = 0u;
-@group(0) @binding(7) var<storage, read> solids: array<f32>;
+@group(0) @binding(8) var<storage, read> solids: array<f32>;
 
 // Depth before which nothing is seen.
 fn near_depth() -> f32 {

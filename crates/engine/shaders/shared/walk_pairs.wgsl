@@ -5,10 +5,10 @@
 
 const STEP_ROWS = WG_SIZE / TILE;
 
-// The last large splat whose first pair is not after this one.
-fn splat_with(pair: u32) -> u32 {
+// The last of so many large splats whose first pair is not after this one.
+fn splat_with(pair: u32, splats: u32) -> u32 {
     var below = 0u;
-    var above = push.large;
+    var above = splats;
     while above - below > 1u {
         let middle = (below + above) / 2u;
         if pair_offsets[middle] <= pair {
@@ -23,14 +23,16 @@ fn splat_with(pair: u32) -> u32 {
 #main {
     view = camera;
     let start = workgroup_index(workgroup, groups) * PAIR_RUN;
-    let end = min(start + PAIR_RUN, push.pairs);
+    // The host may have foreseen more than there are.
+    let found = stats[push.chunk];
+    let end = min(start + PAIR_RUN, found.tiles_low);
     if start >= end {
         return;
     }
-    var number = splat_with(start);
+    var number = splat_with(start, found.large);
     for (var pair = start; pair < end; pair++) {
         // Each large splat has a pair at least.
-        if number + 1u < push.large && pair_offsets[number + 1u] <= pair {
+        if number + 1u < found.large && pair_offsets[number + 1u] <= pair {
             number += 1u;
         }
         let i = large[number];

@@ -3,10 +3,10 @@
 // Relies on soft/count visiting the same pixels.
 #import soft_raster
 #import packed
-@group(0) @binding(8) var<storage, read_write> cursors: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read_write> fragments: array<vec2<u32>>;
-@group(0) @binding(10) var<storage, read> colors: array<vec4<f32>>;
-@group(0) @binding(11) var<storage, read_write> records: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> cursors: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> fragments: array<vec2<u32>>;
+@group(0) @binding(11) var<storage, read> colors: array<vec4<f32>>;
+@group(0) @binding(12) var<storage, read_write> records: array<vec4<u32>>;
 
 // Entry and exit of one shell of a chord.
 fn put(chord: Chord, shell: u32, shells: u32, far: f32, slot: u32, i: u32) {

@@ -15,8 +15,7 @@ gpu_struct! {
         band_start: u32, // The band of pixels in work: [band_start, band_end) in the order of window_index.
         band_end: u32,
         first_fragment: u32, // The band's first fragment among the window's.
-        large: u32, // Large splats of this chunk, and their pairs with tiles.
-        pairs: u32,
+        chunk: u32, // Number of this chunk.
     }
 
     /// Push constants: a number of elements.
@@ -51,6 +50,8 @@ group! {
         pair_offsets: Read<u32>,
         /// Depths of the chunk's splats.
         splat_depths: Read<f32>,
+        /// Statistics of all chunks.
+        stats: Read<Stats>,
     }
 
     /// Bindings of a stage that draws a chunk's splats into attachments.
@@ -206,8 +207,7 @@ impl<'a> Raster<'a> {
                     band_start: band.pixels[0],
                     band_end: band.pixels[1],
                     first_fragment: band.first_fragment,
-                    large: stats.large,
-                    pairs: stats.tiles() as u32,
+                    chunk: chunk as u32,
                 };
                 let visit = |walker, amount| Visit { chunk, push, walker, amount };
                 let small = || visit(WALK_SMALL, Amount::Compute(Dispatch::Invocations(count)));
@@ -235,6 +235,7 @@ impl<'a> Raster<'a> {
             large: cloud.large.slice(first, count),
             pair_offsets: self.tiles.offsets_of(self.stats, chunk),
             splat_depths: cloud.splat_depths.slice(first, count),
+            stats: cloud.found(),
         }
     }
 }
