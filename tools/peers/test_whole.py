@@ -46,6 +46,11 @@ class Tables(unittest.TestCase):
         self.assertNotEqual(row, ROW)
         self.assertIn("| 2.25 | 3 | 1 |", row)
 
+    def test_no_error_is_not_an_unknown_one(self):
+        right = line("pellucid points", 0, 2.0, error={"differ": 0.0, "rmse": 0.0})
+        self.assertTrue(table([right]).endswith("| 0.000% | 0 |"))
+        self.assertTrue(table([line("pellucid points", 0, 2.0)]).endswith("| – | – |"))
+
     def test_a_run_that_failed_is_told_and_the_others_count(self):
         # 5 over 1.25; the median of 9 and 5.
         row = table(RUNS).splitlines()[3]

@@ -60,6 +60,13 @@ def share(value):
     return NOTHING if value is None else f"{value:.3%}"
 
 
+def rounded(error):
+    """An error with two digits, or a dash."""
+    if error is None:
+        return NOTHING
+    return f"{error:.1e}" if error else "0"
+
+
 def cells(row, rows):
     """A row of the table."""
     job, kind, tool = key(row[0])
@@ -68,7 +75,6 @@ def cells(row, rows):
     if not done:
         return [*name, "failed", *[NOTHING] * (len(HEADER) - 3)]
     error = next((m["error"] for m in done if m.get("error")), {})
-    distance = error.get("rmse")
     runs = str(len(done)) if len(done) == len(row) else f"{len(done)} of {len(row)}"
     return [
         *name,
@@ -81,7 +87,7 @@ def cells(row, rows):
         number(median(m["peak_bytes"] for m in done) / 1e6),
         number(done[0]["picture_bytes"] / 1e3),
         share(error.get("differ")),
-        NOTHING if distance is None else f"{distance:.1e}",
+        rounded(error.get("rmse")),
     ]
 
 
