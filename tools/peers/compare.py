@@ -10,16 +10,12 @@ over, and writes results.json and results.md there. docs/performance.md says wha
 import argparse
 import json
 import os
-import platform
 import sys
-import threading
-import time
-
-import numpy as np
 
 import report
 import store
 from exact import error
+from machine import calibrate, processor
 from scenes import SCENES
 from tools import Job, Missing, measure_peer, measure_pellucid, tools_of
 
@@ -43,21 +39,6 @@ def arguments():
     return options
 
 
-def calibrate():
-    """Milliseconds of a fixed job on two threads, the better of two: it grows when others use the machine."""
-    values = np.random.default_rng(1).random(3_000_000).astype(np.float32)
-    times = []
-    for _ in range(2):
-        threads = [threading.Thread(target=np.sort, args=(values,), kwargs={"kind": "stable"}) for _ in range(2)]
-        start = time.perf_counter()
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        times.append((time.perf_counter() - start) * 1e3)
-    return min(times)
-
-
 def measure(options, scene, tool, repeat):
     """A measurement, in the form that `report` takes."""
     line = {"scene": scene, "tool": tool.label, "repeat": repeat, "cal_ms": calibrate()}
@@ -74,16 +55,6 @@ def measure(options, scene, tool, repeat):
         exact, _ = store.read_exact(options.output, scene, tool.shape)
         line["error"] = error(image, exact)
     return {**line, **result}
-
-
-def processor():
-    """The processor's name."""
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            names = [line.split(":", 1)[1].strip() for line in file if line.startswith("model name")]
-    except OSError:
-        names = []
-    return names[0] if names else platform.processor()
 
 
 def wanted(options, scene):
