@@ -2,8 +2,7 @@
 
 use ash::vk;
 
-use super::context::lock;
-use super::{Context, Error};
+use super::Error;
 
 /// Most pools of descriptor sets that are kept with a command buffer.
 const KEPT_POOLS: usize = 8;
@@ -11,7 +10,7 @@ const KEPT_POOLS: usize = 8;
 /// A command buffer and its pool, with a fence for its submission and pools for the sets that it binds. Recording uses
 /// all of them, and a pool must not be used from two threads at once, so that each recorder has its own.
 pub struct Commands {
-    pool: vk::CommandPool,
+    pub pool: vk::CommandPool,
     pub buffer: vk::CommandBuffer,
     /// Signaled by the submission; not signaled before.
     pub fence: vk::Fence,
@@ -20,9 +19,9 @@ pub struct Commands {
 }
 
 impl Commands {
-    fn new(context: &Context) -> Result<Self, Error> {
-        let device = &context.device;
-        let info = vk::CommandPoolCreateInfo::default().queue_family_index(context.queue_family);
+    /// Makes all of it for a family of queues.
+    pub fn new(device: &ash::Device, queue_family: u32) -> Result<Self, Error> {
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(queue_family);
         // SAFETY: a live device; what is made is destroyed by `destroy`, here where not all of it can be made.
         unsafe {
             let pool = device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
@@ -40,9 +39,6 @@ impl Commands {
             match (buffer, fence) {
                 (Ok(buffers), Ok(_)) => {
                     commands.buffer = buffers[0];
-                    context.name_object(pool, "recordings");
-                    context.name_object(commands.buffer, "recording");
-                    context.name_object(commands.fence, "recording");
                     Ok(commands)
                 }
                 (Err(error), _) | (_, Err(error)) => {
@@ -72,7 +68,7 @@ impl Commands {
     ///
     /// # Safety
     /// The command buffer must not be pending on this device.
-    unsafe fn reset(&mut self, device: &ash::Device) -> Result<(), vk::Result> {
+    pub unsafe fn reset(&mut self, device: &ash::Device) -> Result<(), vk::Result> {
         let surplus = self.descriptor_pools.split_off(self.descriptor_pools.len().min(KEPT_POOLS));
         // SAFETY: the caller vouches that nothing is in use.
         unsafe {
@@ -84,27 +80,6 @@ impl Commands {
             }
             device.reset_fences(&[self.fence])?;
             device.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
-        }
-    }
-}
-
-impl Context {
-    /// Returns a command buffer to record, used again if one is idle.
-    pub fn take_commands(&self) -> Result<Commands, Error> {
-        match lock(&self.idle_commands).pop() {
-            Some(commands) => Ok(commands),
-            None => Commands::new(self),
-        }
-    }
-
-    /// Keeps a command buffer for the next recording. It must not be pending.
-    pub fn give_commands_back(&self, mut commands: Commands) {
-        // SAFETY: the caller has waited for the submission, or made none, and holds the only copy of these handles.
-        unsafe {
-            match commands.reset(&self.device) {
-                Ok(()) => lock(&self.idle_commands).push(commands),
-                Err(_) => commands.destroy(&self.device),
-            }
         }
     }
 }

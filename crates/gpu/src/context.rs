@@ -224,6 +224,29 @@ impl Context {
         list
     }
 
+    /// Returns a command buffer to record, used again if one is idle.
+    pub fn take_commands(&self) -> Result<Commands, Error> {
+        if let Some(commands) = lock(&self.idle_commands).pop() {
+            return Ok(commands);
+        }
+        let commands = Commands::new(&self.device, self.queue_family)?;
+        self.name_object(commands.pool, "recordings");
+        self.name_object(commands.buffer, "recording");
+        self.name_object(commands.fence, "recording");
+        Ok(commands)
+    }
+
+    /// Keeps a command buffer for the next recording. It must not be pending.
+    pub fn give_commands_back(&self, mut commands: Commands) {
+        // SAFETY: the caller has waited for the submission, or made none, and holds the only copy of these handles.
+        unsafe {
+            match commands.reset(&self.device) {
+                Ok(()) => lock(&self.idle_commands).push(commands),
+                Err(_) => commands.destroy(&self.device),
+            }
+        }
+    }
+
     /// Returns `true` if the shader of a pass has an override of this name, with the pieces of a variant.
     pub fn has_override(&self, pass: &Declaration, variant: &Variant, name: &'static str) -> Result<bool, Error> {
         let key = (pass.shader, pass.piece, variant.walker, name);

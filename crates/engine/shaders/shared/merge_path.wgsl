@@ -1,6 +1,6 @@
-// What passes share that merge pairs of sorted runs of `width` fragments from one buffer into the other: where a part
-// of RUN_LENGTH fragments of the result begins in both runs is found by bisection (merge path, Green et al. 2012), so
-// that no work grows with the list.
+// Passes merge pairs of sorted runs of `width` fragments from one buffer into the other. Bisection finds where a part
+// of RUN_LENGTH fragments of the result begins in both runs (merge path, Green et al. 2012), so that no work grows
+// with the list.
 #import long_list
 #import fragments
 

@@ -1,7 +1,7 @@
-// Goes through slots as spbr_slots does, where the invocations of a workgroup share the pixels of its squares: each step
-// adds up the areas of WG_SIZE squares, and the n-th pixel of all of them goes to an invocation that finds its square
-// among the sums. The invocations of a GPU would wait for the one with the largest square. Those in doubt are few, and
-// walked alone.
+// Goes through slots as spbr_slots does, where the invocations of a workgroup share the pixels of its squares. Each
+// step adds up the areas of WG_SIZE squares, and the n-th pixel of all of them goes to an invocation that finds its
+// square among the sums. The invocations of a GPU would wait for the one with the largest square. Those in doubt are
+// few, and walked alone.
 #import spbr_squares
 
 const SECOND = WG_SIZE;

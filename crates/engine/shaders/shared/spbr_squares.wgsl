@@ -1,4 +1,4 @@
-// What walkers over slots share: an invocation that walks a square by itself, the list of squares too large for that,
+// Walkers over slots share this: an invocation that walks a square by itself, the list of squares too large for that,
 // slots whose place is in doubt, and the count of drawn points.
 
 // Slots of one invocation, at most 32.
