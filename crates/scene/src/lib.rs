@@ -28,6 +28,7 @@ mod methods;
 mod nothing_left;
 mod odd_sizes;
 mod open;
+mod outermost;
 mod overrides;
 mod overview;
 mod parse;
