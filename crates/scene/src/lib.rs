@@ -4,6 +4,7 @@
 //! clouds the [`Points`](pellucid_core::points::Points) and the [`Camera`](pellucid_core::camera::Camera) of a frame.
 
 mod along;
+mod along_curve;
 mod assemble;
 mod background;
 mod batches;
