@@ -86,7 +86,7 @@ pub(super) struct UnscaledEstimates {
     pub last: Vec<f64>,
 }
 
-/// Data that is wanted. What isn't takes no memory.
+/// Data that is wanted. The rest takes no memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Wants {
     /// Radii with their cap.
@@ -101,7 +101,7 @@ pub(super) struct Wants {
     pub last: bool,
 }
 
-/// What the passes over a block of places write.
+/// Columns that a search writes, a block of places at a time.
 struct Slot<'a> {
     distances: &'a mut [f64],
     directions: &'a mut [Vec3],

@@ -33,7 +33,7 @@ const BLOCK: usize = 1 << 12;
 /// Points have ranks: place by place in Morton order, so that consecutive queries touch the same memory, and by normal
 /// within a place.
 ///
-/// What would be the same number for every point takes no memory: a hundred million points need each byte.
+/// Lists that would hold each number at its own place take no memory: a hundred million points need each byte.
 pub(super) struct Places {
     /// The index in the cloud, by rank; `None` if ranks are the order of the cloud.
     order: Option<Vec<u32>>,
