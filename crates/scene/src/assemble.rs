@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use pellucid_core::progress::{Phase, Progress};
 
+use super::along_curve;
 use super::classes::{self, Rules};
 use super::clip::Clips;
 use super::coloring::{self, Coloring, Colors, Scales};
@@ -166,9 +167,12 @@ fn merged(
 ) -> Result<Points, Error> {
     let (mut points, clips) = (Points::default(), Clips::load(&scene.clips)?);
     let classes = nothing_left::classes(scene, &clouds);
+    let is_alone = clouds.len() == 1;
     for (index, cloud) in clouds.into_iter().enumerate() {
         let from = CloudScope::Whole { needs_radii, progress, legend: legend.as_deref_mut() };
-        points.append(transformed(scene, &clips, index, cloud, from)?);
+        let more = transformed(scene, &clips, index, cloud, from)?;
+        // The order of its file counts on.
+        if is_alone { points = more } else { points.append(more) }
     }
     if points.is_empty() {
         return Err(no_points(scene, &points, &classes));
@@ -263,6 +267,7 @@ pub(super) fn transformed(
 ) -> Result<Points, Error> {
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
     let field_error = |source| Error::Field { path: settings.path.clone(), source };
+    let mut places = Vec::new();
     let (coloring, request, found, has_normals) = match &from {
         CloudScope::Part(known, _) => {
             cloud.up = known.up;
@@ -271,6 +276,8 @@ pub(super) fn transformed(
             (coloring, known.request.clone(), found, Some(known.has_normals))
         }
         CloudScope::Whole { needs_radii, progress, .. } => {
+            progress.begin(Phase::Order);
+            places = along_curve::arrange(scene, &mut cloud);
             progress.begin(Phase::Prepare);
             let mut coloring = Coloring::of(scene, index, &cloud);
             let mut request = request(scene, settings, *needs_radii, needs_field || coloring.needs_field());
@@ -284,14 +291,14 @@ pub(super) fn transformed(
             (coloring, request, found, None)
         }
     };
-    let count = cloud.len();
+    let (count, is_whole) = (cloud.len(), matches!(from, CloudScope::Whole { .. }));
     let colors = coloring.colors(found.fields.as_deref())?;
     let file_order = match from {
         CloudScope::Whole { legend, .. } => {
             if let Some(legend) = legend {
                 legend.add(&coloring, clips, found.fields.as_deref(), found.dropped.as_deref())?;
             }
-            Vec::new()
+            places
         }
         CloudScope::Part(_, file_order) => file_order,
     };
@@ -334,7 +341,10 @@ pub(super) fn transformed(
         sensor,
         ..Points::default()
     };
-    leave_out(&mut points, seen.as_deref(), found.dropped.as_deref());
+    let is_cut = leave_out(&mut points, seen.as_deref(), found.dropped.as_deref()).is_some();
+    if is_cut && is_whole && !points.file_order.is_empty() {
+        points.file_order = along_curve::without_gaps(&points.file_order, count);
+    }
     Ok(points)
 }
 

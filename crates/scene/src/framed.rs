@@ -75,6 +75,16 @@ impl<'a> Framed<'a> {
         spheres.take(most).filter(move |(position, _)| framed.holds(*position))
     }
 
+    /// Returns position and radius of one of those in memory, by its number below [`Self::len`]; `None` of a stray.
+    pub fn sphere(&self, number: usize) -> Option<(DVec3, f64)> {
+        let Points { positions, radii, unseen, .. } = self.points;
+        let (position, radius) = match number.checked_sub(positions.len()) {
+            None => (positions[number], radii[number]),
+            Some(number) => (unseen.positions[number], unseen.radii[number]),
+        };
+        self.holds(position).then_some((position, radius.into()))
+    }
+
     /// Returns the number of strays; `None` where it can't be told without reading all points.
     pub fn strays(&self) -> Option<usize> {
         if self.points.whole.is_some() {

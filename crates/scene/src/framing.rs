@@ -1,12 +1,12 @@
 //! The camera of a scene: as given, and where nothing is given so that the whole scene fits into the image.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::broadest_side::broadest_side;
 use super::error::Error;
 use super::framed::{FILL, Framed, Spheres};
 use super::nothing_left::no_points;
+use super::outermost::Runs;
 use super::range::MAX_COORDINATE;
 use super::scene::Scene;
 use super::sensor;
@@ -166,7 +166,8 @@ pub(super) fn with_height(
     }
     let (forward, image_up, center) = direction(settings, subject, vertical);
     let [right, up] = image_axes(forward, image_up);
-    let extent = Spheres { framed: subject.framed, center, axes: [right, up, forward] }.extent(DVec2::ZERO);
+    let spheres = Spheres { framed: subject.framed, center, axes: [right, up, forward] };
+    let extent = spheres.extent(&Runs::of(&spheres), DVec2::ZERO);
     CameraSettings { height: Some(height_of(&extent, is_centered(settings), size, subject)), ..*settings }
 }
 
@@ -288,7 +289,8 @@ fn framed(
     let [right, up] = image_axes(forward, up);
     let tangents = tangents(projection, size);
     let spheres = Spheres { framed: subject.framed, center, axes: [right, up, forward] };
-    let extent = spheres.extent(tangents);
+    let runs = Runs::of(&spheres);
+    let extent = spheres.extent(&runs, tangents);
     let clear = clearance(subject, center, extent.nearest);
     let (distance, shift) = match (projection, target) {
         (Projection::Perspective { .. }, Some(_)) => (extent.centered_distance(tangents).max(clear), DVec2::ZERO),
@@ -296,7 +298,7 @@ fn framed(
             let distance = extent.distance(tangents).max(clear);
             let (first, last) = extent.shifts(tangents, distance);
             // The axis that decided the distance has one shift; rounding may turn its interval around.
-            (distance, spheres.middle(distance, 0.5 * (first + last)).max(first).min(last))
+            (distance, spheres.middle(&runs, distance, 0.5 * (first + last)).max(first).min(last))
         }
         (Projection::Orthographic { .. }, Some(_)) => (clear, DVec2::ZERO),
         (Projection::Orthographic { .. }, None) => (clear, 0.5 * (extent.upper + extent.lower)),
@@ -329,7 +331,7 @@ pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f
 }
 
 impl Spheres<'_> {
-    fn extent(&self, tangents: DVec2) -> ViewExtent {
+    fn extent(&self, runs: &Runs<'_>, tangents: DVec2) -> ViewExtent {
         // 1/cos of the planes' angles.
         let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
         let with = |extent: ViewExtent, (offset, depth, radius): (DVec2, f64, f64)| ViewExtent {
@@ -337,7 +339,7 @@ impl Spheres<'_> {
             lower: extent.lower.min(offset + tangents * depth - reach * radius),
             nearest: extent.nearest.min(depth - radius),
         };
-        let known = self.iter().fold(|| ViewExtent::NOTHING, with).reduce(|| ViewExtent::NOTHING, ViewExtent::union);
+        let known = runs.outermost(ViewExtent::NOTHING, with, ViewExtent::union, ViewExtent::reaches);
         self.with_groups(known, with, |extent, more| {
             let beyond = (more.upper - extent.upper).max(extent.lower - more.lower).max_element();
             beyond.max(extent.nearest - more.nearest)
@@ -350,7 +352,7 @@ impl Spheres<'_> {
     /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at shift = (a/z +
     /// b/w)/(1/z + 1/w); then another pair may be the outermost one. It converges in two or three rounds; if two pairs
     /// alternate, the result is slightly off the middle.
-    fn middle(&self, distance: f64, mut shift: DVec2) -> DVec2 {
+    fn middle(&self, runs: &Runs<'_>, distance: f64, mut shift: DVec2) -> DVec2 {
         const ROUNDS: usize = 8;
         for _ in 0..ROUNDS {
             // Slope, and 1/z of the disc that has it: the greatest and the least of each axis.
@@ -362,8 +364,11 @@ impl Spheres<'_> {
                 [x, y, later(left, outer(-offset.x)), later(down, outer(-offset.y))]
             };
             let both = |a: [(f64, f64); 4], b: [(f64, f64); 4]| std::array::from_fn(|i| later(a[i], b[i]));
-            let outermost = self.iter().fold(|| nothing, with).reduce(|| nothing, both);
             let slopes = |state: [(f64, f64); 4]| state.map(|(slope, _)| slope);
+            let reaches = |state: &[(f64, f64); 4], known: &[(f64, f64); 4]| {
+                state.iter().zip(known).any(|(state, known)| state.0 >= known.0)
+            };
+            let outermost = runs.outermost(nothing, with, both, reaches);
             let outermost = self.with_groups(outermost, with, |known, more| {
                 let farther = slopes(more).into_iter().zip(slopes(known)).map(|(more, known)| more - known);
                 // Slopes, not lengths.
@@ -412,6 +417,11 @@ impl ViewExtent {
             lower: self.lower.min(other.lower),
             nearest: self.nearest.min(other.nearest),
         }
+    }
+
+    /// Returns `true` if anything of it is as far out as that of another extent.
+    fn reaches(&self, other: &Self) -> bool {
+        self.upper.cmpge(other.upper).any() || self.lower.cmple(other.lower).any() || self.nearest <= other.nearest
     }
 
     /// Returns the smallest distance from which all fits with some shift of the eye.

@@ -4,6 +4,7 @@
 //! clouds the [`Points`](pellucid_core::points::Points) and the [`Camera`](pellucid_core::camera::Camera) of a frame.
 
 mod along;
+mod along_curve;
 mod assemble;
 mod background;
 mod batches;
@@ -28,6 +29,7 @@ mod methods;
 mod nothing_left;
 mod odd_sizes;
 mod open;
+mod outermost;
 mod overrides;
 mod overview;
 mod parse;

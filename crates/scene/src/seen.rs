@@ -32,9 +32,13 @@ pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>, dropped: Opt
     if keep.iter().all(|keep| *keep) {
         return None;
     }
-    let all = points.positions.iter().zip(&points.radii).enumerate();
-    let unseen = all.filter(|(i, (position, _))| !keep[*i] && is_there(*i) && position.is_finite());
-    let (positions, radii) = unseen.map(|(_, (position, radius))| (*position, *radius)).unzip();
+    let is_unseen = |i: &usize| !keep[*i] && is_there(*i) && points.positions[*i].is_finite();
+    let mut unseen: Vec<usize> = (0..points.len()).filter(is_unseen).collect();
+    if !points.file_order.is_empty() {
+        // They stay in the order of the file, wherever the others are.
+        unseen.par_sort_unstable_by_key(|i| points.file_order[*i]);
+    }
+    let (positions, radii) = unseen.into_iter().map(|i| (points.positions[i], points.radii[i])).unzip();
     points.unseen = Arc::new(Unseen { positions, radii });
     points.retain(&keep);
     Some(keep)

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::slice::IterMut;
 
+use bytemuck::Zeroable;
 use rayon::prelude::*;
 
 use pellucid_core::parallel;
@@ -11,6 +12,8 @@ use pellucid_core::parallel;
 const CODE_BITS: u32 = 63;
 /// Bits of a digit at most: as many places as stay in the processor's cache with what is written to them.
 const DIGIT_BITS: u32 = 10;
+/// Points whose codes one thread looks at together to see whether they ascend.
+const LOOKED_AT: usize = 1 << 14;
 /// Points that are compared rather than counted, at most.
 const FEW: usize = 48;
 /// Points from which on all cores count them together.
@@ -19,7 +22,7 @@ const MANY: usize = 1 << 20;
 const RUNS_PER_CORE: usize = 4;
 
 /// A code and the index of the point that has it, in 12 bytes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Zeroable)]
 pub(super) struct Keyed {
     /// The halves of the code, since a whole one would take 16 bytes with the index.
     high: u32,
@@ -41,17 +44,51 @@ impl Keyed {
 /// `by_content`, and of equal content in that of their indices.
 ///
 /// Codes are found twice, so that nothing but the result needs memory. Each digit, from the highest on, cuts a run of
-/// points into shorter ones, until these are few enough to be compared.
+/// points into shorter ones, until these are few enough to be compared. Codes that ascend stay where they are.
 pub(super) fn sorted(
     count: u32,
     code: impl Fn(u32) -> u64 + Sync,
     by_content: &(impl Fn(u32, u32) -> Ordering + Sync),
 ) -> Vec<Keyed> {
+    if are_ordered(count, &code, |before, next| before.1 <= next.1) {
+        let mut all = parallel::map(count as usize, |i| Keyed::new(code(i as u32), i as u32));
+        let equal = all.par_chunk_by_mut(|a, b| a.code() == b.code()).filter(|equal| equal.len() > 1);
+        equal.for_each(|equal| by_indices(equal, by_content));
+        return all;
+    }
     let mut all = vec![Keyed::default(); count as usize];
     let digit = Digit::below(CODE_BITS, count as usize);
     let sizes = scatter(count as usize, |i| Keyed::new(code(i as u32), i as u32), digit, &mut all);
     sort_each(&mut all, &sizes, digit.shift, by_content);
     all
+}
+
+/// Returns `true` if [`sorted`] would return all points as they come.
+pub(super) fn are_sorted(
+    count: u32,
+    code: impl Fn(u32) -> u64 + Sync,
+    by_content: &(impl Fn(u32, u32) -> Ordering + Sync),
+) -> bool {
+    are_ordered(count, &code, |before, next| {
+        before.1.cmp(&next.1).then_with(|| by_content(before.0, next.0)) != Ordering::Greater
+    })
+}
+
+/// Returns `true` if `are` holds for all pairs of a point and the next one, each by its index and its code.
+fn are_ordered(
+    count: u32,
+    code: &(impl Fn(u32) -> u64 + Sync),
+    are: impl Fn((u32, u64), (u32, u64)) -> bool + Sync,
+) -> bool {
+    let count = count as usize;
+    let run = |start: usize| {
+        let start = start * LOOKED_AT;
+        // Each run but the first begins with the last point of the one before.
+        let mut points = (start.saturating_sub(1)..count.min(start + LOOKED_AT)).map(|i| (i as u32, code(i as u32)));
+        let Some(mut before) = points.next() else { return true };
+        points.all(|next| are(std::mem::replace(&mut before, next), next))
+    };
+    (0..count.div_ceil(LOOKED_AT)).into_par_iter().with_max_len(1).all(run)
 }
 
 /// Some bits of a code.
@@ -193,6 +230,9 @@ mod tests {
             let found = sorted(codes.len() as u32, |i| codes[i as usize], &content);
             let found: Vec<_> = found.into_iter().map(|keyed| (keyed.code(), keyed.index)).collect();
             assert!(found == compared(codes, content), "{name}: {} codes", codes.len());
+            let are_sorted = are_sorted(codes.len() as u32, |i| codes[i as usize], &content);
+            let stay = found.iter().map(|(_, index)| *index).eq(0..codes.len() as u32);
+            assert_eq!(are_sorted, stay, "{name}: {} codes", codes.len());
         }
     }
 
@@ -211,6 +251,20 @@ mod tests {
             check(&codes(&mut |_| most), "one");
             check(&codes(&mut |code| if code % 1000 == 0 { most } else { code % 4096 }), "with strays");
             check(&codes(&mut |code| code >> (code % 63)), "of all sizes");
+        }
+    }
+
+    #[test]
+    fn codes_that_ascend_stay_where_they_are_but_for_equal_ones() {
+        // Pairs of equal codes, some across the ends of what one thread looks at.
+        let mut codes: Vec<u64> = (0..2 * LOOKED_AT as u64 + 99).map(|i| i.div_ceil(2)).collect();
+        check(&codes, "pairs");
+        // The last of a run of threads, the first and the last of all.
+        for misplaced in [LOOKED_AT, 0, codes.len() - 1] {
+            let own = std::mem::replace(&mut codes[misplaced], if misplaced == 0 { u64::MAX >> 1 } else { 0 });
+            assert!(!are_sorted(codes.len() as u32, |i| codes[i as usize], &|_, _| Ordering::Equal), "{misplaced}");
+            check(&codes, "misplaced");
+            codes[misplaced] = own;
         }
     }
 

@@ -234,13 +234,22 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Poi
     let lacks_fields = request.fields && fields.is_none();
     let (mut shading, mut uncapped) = (None, None);
     if request.lacks_normals(cloud) || lacks_fields {
-        let look = if lacks_fields { surface::estimate } else { surface::shape };
-        let surface = look(&cloud.positions, cloud.normals.as_deref(), (k, cap), progress);
-        shading = request.shading.map(|which| shading_normals(cloud, which, &surface));
+        let wants = surface::Wants {
+            radii: request.radii && radii.is_none(),
+            uncapped: request.uncapped,
+            normals: true,
+            fields: lacks_fields,
+            last: false,
+        };
+        let mut surface = surface::look(&cloud.positions, cloud.normals.as_deref(), (k, cap), wants, progress);
         radii = radii.or(Some(surface.radii).filter(|_| request.radii));
         uncapped = Some(surface.uncapped).filter(|_| request.uncapped);
         fields = fields.or(Some(surface.fields).filter(|_| request.fields));
-        normals = Some(surface.normals).filter(|_| request.normals);
+        normals = request.normals.then(|| surface.normals.clone());
+        shading = request.shading.map(|which| {
+            to_shade_by(&mut surface.normals, cloud.normals.as_deref(), which, &surface.planar);
+            surface.normals
+        });
     }
     if (request.radii && radii.is_none()) || (request.uncapped && uncapped.is_none()) {
         let found = radius::both(&cloud.positions, k, cap, progress);
@@ -275,15 +284,14 @@ pub(crate) fn of_part(
     Ok(PointData { radii, fields, ..PointData::default() })
 }
 
-/// The cloud's own normals, with those that are wanted in place of missing ones.
-fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::SurfaceEstimates) -> Vec<Vec3> {
-    let own = |i: usize| cloud.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i]);
-    let one = |i: usize| match own(i) {
-        Vec3::ZERO if which == ShadingNormals::Planar && !surface.planar[i] => Vec3::ZERO,
-        Vec3::ZERO => as_estimated(surface.normals[i]),
-        own => own,
-    };
-    parallel::map(cloud.len(), one)
+/// Turns normals, some of them estimated where the `own` ones are missing, into those that are wanted.
+fn to_shade_by(normals: &mut [Vec3], own: Option<&[Vec3]>, which: ShadingNormals, planar: &[bool]) {
+    parallel::for_each_mut(normals, |i, normal| {
+        if own.is_none_or(|own| own[i] == Vec3::ZERO) {
+            let is_wanted = which == ShadingNormals::All || planar[i];
+            *normal = if is_wanted { as_estimated(*normal) } else { Vec3::ZERO };
+        }
+    });
 }
 
 /// Returns the cloud with radii and field, and with normals if they are asked for, ready for

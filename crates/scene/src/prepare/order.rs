@@ -3,6 +3,8 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::keyed::{self, Keyed};
 use super::morton::{self, Cells};
 use pellucid_core::cloud::Bounds;
@@ -16,7 +18,15 @@ pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.bounds() else { return points };
     // Points are counted in 32 bits from here on: more of them don't fit any device.
     let at = |i: u32| (&points, i as usize);
-    let order = indices(morton::sorted(&points.positions, &bounds, |a, b| by_content(at(a), at(b))));
+    let cells = Cells::of(&bounds);
+    let by_content_at = |a: u32, b: u32| by_content(at(a), at(b));
+    if keyed::are_sorted(points.len() as u32, |i| cells.code(points.positions[i as usize]), &by_content_at) {
+        if points.file_order.is_empty() {
+            points.file_order = (0..points.len() as u32).collect();
+        }
+        return points;
+    }
+    let order = indices(morton::sorted(&points.positions, &bounds, by_content_at));
     let before = std::mem::take(&mut points.file_order);
     let mut points = points.in_order(|place| order[place] as usize);
     points.file_order = match before.is_empty() {
@@ -24,6 +34,18 @@ pub fn canonical(mut points: Points) -> Points {
         false => parallel::map_each(&order, |&i| before.get(i as usize).copied().unwrap_or(i)),
     };
     points
+}
+
+/// Returns the order in which the positions of a cloud come in canonical order, as far as they alone decide it; `None`
+/// if that is the order in which they are.
+pub(crate) fn along_curve(positions: &[DVec3]) -> Option<Vec<u32>> {
+    let (bounds, count) = (Bounds::of(positions)?, u32::try_from(positions.len()).ok()?);
+    let cells = Cells::of(&bounds);
+    // Both zeros are one place in a scene.
+    let key = |i: u32| (positions[i as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let by_position = |a: u32, b: u32| key(a).cmp(&key(b));
+    let are_sorted = keyed::are_sorted(count, |i| cells.code(positions[i as usize]), &by_position);
+    (!are_sorted).then(|| indices(morton::sorted(positions, &bounds, by_position)))
 }
 
 /// Returns the points of parts of a scene with these bounds, in the order that the whole scene has: for each the part

@@ -47,15 +47,15 @@ pub fn find(positions: &[DVec3], rule: Rule, progress: &Progress) -> Vec<bool> {
     }
     let mut marks = vec![false; positions.len()];
     for place in (0..places.len()).filter(|&place| distances[place] > most) {
-        places.order[places.members(place)].iter().for_each(|&index| marks[index] = true);
+        places.members(place).for_each(|rank| marks[places.index(rank)] = true);
     }
     marks
 }
 
 /// The mean distance of a point at a place to its `k` nearest others; those in the same place have distance 0.
 fn mean_distance(places: &Places, place: usize, others: &[u32], k: usize) -> f64 {
-    let here = places.positions[places.members(place).start];
-    let distance = |&rank: &u32| ((places.positions[rank as usize] - here) / places.unit).length();
+    let here = places.position(place);
+    let distance = |&rank: &u32| (places.position(places.place_of(rank)) - here).length();
     others.iter().map(distance).sum::<f64>() / k as f64
 }
 

@@ -10,7 +10,6 @@ use glam::DVec3;
 use pellucid_core::progress::Progress;
 
 use super::neighbors::Places;
-use pellucid_core::parallel;
 
 /// Default of the cap.
 pub const DEFAULT_CAP: f32 = 4.0;
@@ -41,9 +40,8 @@ pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress
         return Radii { capped: vec![0.0; positions.len()], uncapped: vec![0.0; positions.len()] };
     };
     let distances = places.visit(k, progress, |_, _, distance| distance);
-    let ranks = places.ranks();
-    let uncapped = of_distances(&places, &ranks, k, &distances);
-    Radii { capped: of_distances(&places, &ranks, k, &capped(&places, (k, cap), distances)), uncapped }
+    let uncapped = of_distances(&places, k, &distances);
+    Radii { capped: of_distances(&places, k, &capped(&places, (k, cap), distances)), uncapped }
 }
 
 /// Returns the distances of the last neighbors of each place, at most `cap` times the median of those of a point's K
@@ -64,7 +62,10 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), distances: Vec<f64
         own.min(f64::from(cap) * median(&mut around))
     };
     // Where no distance around is so much smaller, neither is their median: nearly everywhere.
-    places.revisit_uneven(k, f64::from(cap), &distances, one)
+    let changed = places.revisit_uneven(k, f64::from(cap), &distances, one);
+    let mut distances = distances;
+    changed.into_iter().for_each(|(place, distance)| distances[place] = distance);
+    distances
 }
 
 /// Returns the middle one of some values, of an even number the mean of the two middle ones; 0 for none.
@@ -79,9 +80,8 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Eq. 20 for every point of a cloud, in the cloud's order, from the distance of the last neighbor of each place.
-pub(super) fn of_distances(places: &Places, ranks: &[u32], k: usize, distances: &[f64]) -> Vec<f32> {
-    let of_rank = |rank: &u32| of_distance(distances[places.place_of(*rank)] * places.unit, k);
-    parallel::map_each(ranks, of_rank)
+pub(super) fn of_distances(places: &Places, k: usize, distances: &[f64]) -> Vec<f32> {
+    places.in_order_of_cloud(|rank| of_distance(distances[places.place_of(rank)] * places.unit, k))
 }
 
 /// Eq. 20: the radius of a point whose last of K neighbors is so far away.

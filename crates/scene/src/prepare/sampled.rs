@@ -37,10 +37,10 @@ fn sample_by(positions: &[DVec3], own: Option<&[f32]>, (neighbors, cap): (usize,
     let step = places.len().div_ceil(samples);
     let spacing = spacing(&places, step);
     let radii = match own {
-        Some(own) => places.order.iter().map(|&index| own[index]).collect(),
+        Some(own) => (0..positions.len()).map(|rank| own[places.index(rank)]).collect(),
         None => radii(&places, step, neighbors.min(positions.len() - 1), cap),
     };
-    Sampled { spacing, positions: places.positions, radii }
+    Sampled { spacing, positions: parallel::map(positions.len(), |rank| positions[places.index(rank)]), radii }
 }
 
 fn spacing(places: &Places, step: usize) -> Option<f64> {
@@ -53,7 +53,7 @@ fn spacing(places: &Places, step: usize) -> Option<f64> {
 /// The radius of each point by its rank.
 fn radii(places: &Places, step: usize, k: usize, cap: f32) -> Vec<f32> {
     if k == 0 {
-        return vec![0.0; places.order.len()];
+        return vec![0.0; places.points()];
     }
     let looked_at: Vec<f64> = parallel::map(places.len().div_ceil(step), |i| distance(places, i * step, k, cap));
     let of_place = |place: usize| radius::of_distance(looked_at[place / step] * places.unit, k);

@@ -10,7 +10,10 @@ mod tree;
 
 use std::cmp::Ordering;
 use std::ops::Range;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use pellucid_core::progress::Progress;
 use rayon::prelude::*;
@@ -29,14 +32,18 @@ const BLOCK: usize = 1 << 12;
 ///
 /// Points have ranks: place by place in Morton order, so that consecutive queries touch the same memory, and by normal
 /// within a place.
+///
+/// Lists that would hold each number at its own place take no memory: a hundred million points need each byte.
 pub(super) struct Places {
-    /// The index in the cloud, by rank.
-    pub order: Vec<usize>,
-    /// Positions by rank.
-    pub positions: Vec<DVec3>,
-    /// First rank of each place, with their number as the last entry.
+    /// The index in the cloud, by rank; `None` if ranks are the order of the cloud.
+    order: Option<Vec<u32>>,
+    /// The number of points.
+    points: usize,
+    /// The rank of each point of the cloud, once it is asked for where that isn't the order of the cloud.
+    ranks: OnceLock<Vec<u32>>,
+    /// First rank of each place, with their number as the last entry; empty if each place has one point.
     starts: Vec<u32>,
-    /// Places by rank.
+    /// Places by rank; empty if each place has one point.
     places: Vec<u32>,
     /// Finds places.
     tree: PlaceTree,
@@ -67,6 +74,13 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
         let bits = x.to_bits() as i32;
         bits ^ (((bits >> 31) as u32) >> 1) as i32
     })
+}
+
+/// The place of each number in a list of all numbers below its length.
+fn inverse(order: &[u32]) -> Vec<u32> {
+    let places: Vec<AtomicU32> = order.iter().map(|_| AtomicU32::new(0)).collect();
+    order.par_iter().enumerate().for_each(|(place, &number)| places[number as usize].store(place as u32, Relaxed));
+    places.into_iter().map(AtomicU32::into_inner).collect()
 }
 
 /// Puts many points of one Morton code into the order of codes within their own bounds, and so on: an outlier a
@@ -109,45 +123,82 @@ impl Places {
         };
         let mut keyed = morton::sorted(positions, bounds, by_content);
         keyed.par_chunk_by_mut(|a, b| a.code() == b.code()).for_each(|cell| refine(cell, positions, &by_content));
-        let order: Vec<usize> = parallel::map_each(&keyed, |keyed| keyed.index as usize);
-        let positions: Vec<DVec3> = parallel::map_each(&order, |&index| positions[index]);
-        let is_first = |rank: &u32| *rank == 0 || positions[*rank as usize] != positions[*rank as usize - 1];
-        let mut starts: Vec<u32> = (0..positions.len() as u32).into_par_iter().filter(is_first).collect();
-        let codes: Vec<u64> = parallel::map_each(&starts, |&rank| keyed[rank as usize].code());
+        let stay = keyed.par_iter().enumerate().all(|(rank, keyed)| keyed.index as usize == rank);
+        let order = (!stay).then(|| parallel::map_each(&keyed, |keyed| keyed.index));
+        let points = positions.len();
+        let at = |rank: usize| positions[order.as_ref().map_or(rank, |order| order[rank] as usize)];
+        let is_first = |rank: &u32| *rank == 0 || at(*rank as usize) != at(*rank as usize - 1);
+        let ranks = || (0..points as u32).into_par_iter().with_min_len(BLOCK);
+        let are_alone = ranks().all(|rank| is_first(&rank));
+        let mut starts: Vec<u32> = if are_alone { Vec::new() } else { ranks().filter(is_first).collect() };
+        let len = if are_alone { points } else { starts.len() };
+        let first = |place: usize| if are_alone { place } else { starts[place] as usize };
+        let codes: Vec<u64> = parallel::map(len, |place| keyed[first(place)].code());
+        drop(keyed);
         let unit = unit(bounds);
-        let columns = Columns::new(&positions, &starts, unit);
+        let columns = Columns::new(len, |place| at(first(place)), unit);
         let tree = PlaceTree::new(&columns, &codes);
-        starts.push(positions.len() as u32);
-        let members = |place: usize| (starts[place + 1] - starts[place]) as usize;
-        let mut places = Vec::with_capacity(positions.len());
-        for place in 0..starts.len() - 1 {
-            places.resize(places.len() + members(place), place as u32);
+        let mut places = Vec::new();
+        if !are_alone {
+            starts.push(points as u32);
+            places.reserve_exact(points);
+            for (place, ends) in starts.windows(2).enumerate() {
+                places.resize(ends[1] as usize, place as u32);
+            }
         }
-        Some(Self { order, positions, starts, places, tree, columns, unit })
+        Some(Self { order, points, ranks: OnceLock::new(), starts, places, tree, columns, unit })
     }
 
     /// Returns the number of distinct positions.
     pub fn len(&self) -> usize {
-        self.starts.len() - 1
+        self.columns.len()
+    }
+
+    /// Returns the number of points.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// Returns the index in the cloud of the point of a rank.
+    #[inline]
+    pub fn index(&self, rank: usize) -> usize {
+        self.order.as_ref().map_or(rank, |order| order[rank] as usize)
     }
 
     /// Returns the ranks of the points at a place.
+    #[inline]
     pub fn members(&self, place: usize) -> Range<usize> {
-        self.starts[place] as usize..self.starts[place + 1] as usize
+        if self.are_alone() { place..place + 1 } else { self.starts[place] as usize..self.starts[place + 1] as usize }
     }
 
     /// Returns the place of the point of a rank.
+    #[inline]
     pub fn place_of(&self, rank: u32) -> usize {
-        self.places[rank as usize] as usize
+        if self.are_alone() { rank as usize } else { self.places[rank as usize] as usize }
     }
 
-    /// Returns the rank of each point of the cloud.
-    pub fn ranks(&self) -> Vec<u32> {
-        let mut ranks = vec![0; self.order.len()];
-        for (rank, &index) in self.order.iter().enumerate() {
-            ranks[index] = rank as u32;
+    /// Returns the position of a place in [`Places::unit`]s.
+    #[inline]
+    pub fn position(&self, place: usize) -> DVec3 {
+        self.columns.position(place)
+    }
+
+    /// Returns `true` if each place has one point: ranks are numbers of places then.
+    pub fn are_alone(&self) -> bool {
+        self.starts.is_empty()
+    }
+
+    /// Returns `of` the rank of each point, in the order of the cloud.
+    pub fn in_order_of_cloud<T: Zeroable + Send>(&self, of: impl Fn(u32) -> T + Sync) -> Vec<T> {
+        match &self.order {
+            None => parallel::map(self.points, |rank| of(rank as u32)),
+            Some(order) => parallel::map_each(self.ranks.get_or_init(|| inverse(order)), |rank| of(*rank)),
         }
-        ranks
+    }
+
+    /// Returns values by rank in the order of the cloud.
+    pub fn of_cloud<T: Pod + Send + Sync>(&self, by_rank: Vec<T>) -> Vec<T> {
+        if self.order.is_none() { by_rank } else { self.in_order_of_cloud(|rank| by_rank[rank as usize]) }
     }
 
     /// The number of the `k` nearest others of a point at `place` that have another position: 0 if `k` others share
@@ -174,14 +225,13 @@ impl Places {
             return 0.0;
         }
         let is_single = |place: u32| self.starts[place as usize + 1] - self.starts[place as usize] == 1;
-        if found.len() == k + 1
-            && (self.starts.len() > self.positions.len() || found.iter().all(|&place| is_single(place)))
-        {
+        let are_alone = self.are_alone();
+        if found.len() == k + 1 && (are_alone || found.iter().all(|&place| is_single(place))) {
             // Written whether it is another or not: no branch to mispredict.
             let mut count = 0;
             ranks.resize(found.len(), 0);
             for &other in found {
-                ranks[count] = self.starts[other as usize];
+                ranks[count] = if are_alone { other } else { self.starts[other as usize] };
                 count += usize::from(other as usize != place);
             }
             ranks.truncate(count);
@@ -205,12 +255,13 @@ impl Places {
         let mut places: Vec<(f64, usize)> =
             others.map(|there| (self.columns.squared_between(place, there), there)).collect();
         places.sort_unstable_by(|a, b| {
-            let coordinates = |place: usize| (self.positions[self.starts[place] as usize] + DVec3::ZERO).to_array();
+            let coordinates = |place: usize| (self.columns.position(place) + DVec3::ZERO).to_array();
             let by_position = || {
                 let [a, b] = [coordinates(a.1), coordinates(b.1)];
                 a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
             };
-            a.0.total_cmp(&b.0).then_with(by_position)
+            // Positions that differ by less than a float64 can say in this unit have places in the same order always.
+            a.0.total_cmp(&b.0).then_with(by_position).then(a.1.cmp(&b.1))
         });
         places
     }
@@ -222,24 +273,37 @@ impl Places {
         progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
     ) -> Vec<T> {
-        self.visit_blocks(k, 0, progress, see, |seen| seen).0
+        let mut blocks: Vec<Vec<T>> = Vec::new();
+        blocks.resize_with(self.len().div_ceil(BLOCK), Vec::new);
+        self.visit_blocks(k, 0, progress, see, blocks.iter_mut().collect(), |seen, block: &mut &mut Vec<T>| {
+            **block = seen;
+        });
+        let mut all = Vec::with_capacity(self.len());
+        blocks.into_iter().for_each(|block| all.extend(block));
+        all
     }
 
-    /// Visits places like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand
-    /// places at a time. Up to `room` bytes of neighbors are kept.
-    pub fn visit_blocks<T, U: Send>(
+    /// Returns a column with an element for each place in blocks as [`Places::visit_blocks`] has them; of an empty
+    /// column as many empty ones.
+    pub fn blocks<'a, T>(&self, column: &'a mut [T]) -> impl Iterator<Item = &'a mut [T]> + use<'a, T> {
+        column.chunks_mut(BLOCK).chain(std::iter::repeat_with(Default::default)).take(self.len().div_ceil(BLOCK))
+    }
+
+    /// Visits places like [`Places::visit`], some thousand at a time: `finish` has what `see` returned of a block of
+    /// places, and that block's slot to put it in. Up to `room` bytes of neighbors are kept.
+    pub fn visit_blocks<T, S: Send>(
         &self,
         k: usize,
         room: usize,
         progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
-        finish: impl Fn(Vec<T>) -> Vec<U> + Sync,
-    ) -> (Vec<U>, Lists) {
+        slots: Vec<S>,
+        finish: impl Fn(Vec<T>, &mut S) + Sync,
+    ) -> Lists {
         progress.set_length(self.len() as u64);
         let blocks_kept = room / (4 * k * BLOCK);
-        let mut blocks: Vec<(Vec<U>, Option<Kept>)> = Vec::new();
-        blocks.resize_with(self.len().div_ceil(BLOCK), Default::default);
-        parallel::for_each_mut(&mut blocks, |block, (finished, kept)| {
+        let mut blocks: Vec<(S, Option<Kept>)> = slots.into_iter().map(|slot| (slot, None)).collect();
+        parallel::for_each_mut(&mut blocks, |block, (slot, kept)| {
             let places = self.block(block);
             *kept = (block < blocks_kept).then(Kept::default);
             let mut seen = Vec::with_capacity(places.len());
@@ -248,16 +312,13 @@ impl Places {
                 kept.iter_mut().for_each(|kept| kept.add(ranks));
             });
             progress.inc(places.len() as u64);
-            *finished = finish(seen);
+            finish(seen, slot);
         });
-        let mut all = Vec::with_capacity(self.len());
-        let (finished, kept): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
-        finished.into_iter().for_each(|finished| all.extend(finished));
-        (all, Lists { k, kept })
+        Lists { k, kept: blocks.into_iter().map(|(_, kept)| kept).collect() }
     }
 
     /// Calls `see` with the neighbors of each place whose value exceeds `times` the least one around it, on all cores;
-    /// returns the values with what it returns in their place.
+    /// returns these places with what it returns, in the order of places.
     ///
     /// `distances` are those of the last neighbors, and the values. Around a place are all that are as near as its last
     /// neighbor, and some more.
@@ -267,7 +328,7 @@ impl Places {
         times: f64,
         distances: &[f64],
         see: impl Fn(usize, &[u32]) -> f64 + Sync,
-    ) -> Vec<f64> {
+    ) -> Vec<(usize, f64)> {
         let least = self.tree.least(distances);
         let around = |cuboid: &Cuboid, distance: f64| {
             times * self.tree.least_around(&least, cuboid, distance * distance * WIDER)
@@ -292,9 +353,7 @@ impl Places {
             changed
         };
         let changed: Vec<Vec<(usize, f64)>> = self.tree.leaves.par_chunks(BLOCK / LEAF).map(look).collect();
-        let mut values = distances.to_vec();
-        changed.into_iter().flatten().for_each(|(place, value)| values[place] = value);
-        values
+        changed.concat()
     }
 
     /// The places of a block.
@@ -386,12 +445,12 @@ pub(super) mod tests {
     }
 
     /// Finds the neighbors by all distances, in the order that the module states.
-    fn brute_force(places: &Places, place: usize, k: usize) -> (Vec<u32>, f64) {
-        let here = places.positions[places.members(place).start];
-        let squared = |rank: usize| ((places.positions[rank] - here) / places.unit).length_squared();
-        let mut all: Vec<usize> =
-            (0..places.positions.len()).filter(|rank| !places.members(place).contains(rank)).collect();
-        let key = |rank: usize| places.positions[rank].to_array();
+    fn brute_force(points: &[DVec3], places: &Places, place: usize, k: usize) -> (Vec<u32>, f64) {
+        let at = |rank: usize| points[places.index(rank)];
+        let here = at(places.members(place).start);
+        let squared = |rank: usize| ((at(rank) - here) / places.unit).length_squared();
+        let mut all: Vec<usize> = (0..points.len()).filter(|rank| !places.members(place).contains(rank)).collect();
+        let key = |rank: usize| at(rank).to_array();
         all.sort_by(|&a, &b| {
             let by_position = || key(a).partial_cmp(&key(b)).unwrap().then(a.cmp(&b));
             squared(a).total_cmp(&squared(b)).then_with(by_position)
@@ -406,10 +465,11 @@ pub(super) mod tests {
     #[test]
     fn neighbors_are_those_of_brute_force() {
         for (count, k) in [(3, 1), (40, 7), (400, 24), (1500, 24), (1500, 90)] {
-            let places = Places::group(&cloud(count, count as u64), None).unwrap();
-            let k = k.min(places.positions.len() - 1);
+            let points = cloud(count, count as u64);
+            let places = Places::group(&points, None).unwrap();
+            let k = k.min(points.len() - 1);
             let see = |place: usize, others: &[u32], distance: f64| {
-                assert_eq!((others.to_vec(), distance), brute_force(&places, place, k), "{count} {k} {place}");
+                assert_eq!((others.to_vec(), distance), brute_force(&points, &places, place, k), "{count} {k} {place}");
                 assert_eq!(places.others(place, k), (others.to_vec(), distance), "{count} {k} {place}");
             };
             places.visit(k, &Progress::hidden(), see);
@@ -430,7 +490,7 @@ pub(super) mod tests {
         let places = Places::group(&points, None).unwrap();
         for k in [1, 24, 100] {
             places.visit(k, &Progress::hidden(), |place, others, distance| {
-                assert_eq!((others.to_vec(), distance), brute_force(&places, place, k), "{k} {place}");
+                assert_eq!((others.to_vec(), distance), brute_force(&points, &places, place, k), "{k} {place}");
             });
         }
     }
@@ -439,15 +499,37 @@ pub(super) mod tests {
     #[test]
     fn a_stray_far_away_leaves_the_order_of_the_others_as_it_is() {
         let near = cloud(2000, 3);
-        let extent = |places: &Places| -> f64 {
-            let all = &places.positions[..near.len()];
+        let extent = |points: &[DVec3], places: &Places| -> f64 {
+            let all: Vec<DVec3> = (0..near.len()).map(|rank| points[places.index(rank)]).collect();
             all.chunks(LEAF).map(|some| Bounds::of(some).unwrap().diagonal()).sum()
         };
-        let alone = extent(&Places::group(&near, None).unwrap());
+        let alone = extent(&near, &Places::group(&near, None).unwrap());
         for far in [1e4, 1e9, 1e170] {
             let with = [near.as_slice(), &[DVec3::splat(far)]].concat();
             let places = Places::group(&with, None).unwrap();
-            assert!(extent(&places) < 1.5 * alone, "{far}: {} instead of {alone}", extent(&places));
+            let extent = extent(&with, &places);
+            assert!(extent < 1.5 * alone, "{far}: {extent} instead of {alone}");
+        }
+    }
+
+    #[test]
+    fn points_in_the_order_of_ranks_have_the_neighbors_that_they_have_in_any() {
+        let points = cloud(2000, 17);
+        let distinct: Vec<DVec3> = {
+            let places = Places::group(&points, None).unwrap();
+            (0..places.len()).map(|place| points[places.index(places.members(place).start)]).collect()
+        };
+        for points in [points, distinct] {
+            let places = Places::group(&points, None).unwrap();
+            let ranked: Vec<DVec3> = (0..points.len()).map(|rank| points[places.index(rank)]).collect();
+            let again = Places::group(&ranked, None).unwrap();
+            assert!(again.order.is_none() && again.are_alone() == places.are_alone());
+            let see = |places: &Places| places.visit(24, &Progress::hidden(), |_, others, d| (others.to_vec(), d));
+            assert!(see(&again) == see(&places));
+            let indices = places.in_order_of_cloud(|rank| places.index(rank as usize));
+            assert!(indices.into_iter().eq(0..points.len()));
+            assert_eq!(places.of_cloud(ranked.clone()), points);
+            assert_eq!(again.of_cloud(ranked.clone()), ranked);
         }
     }
 
@@ -468,10 +550,10 @@ pub(super) mod tests {
     #[test]
     fn neighbors_that_were_not_kept_are_found_again() {
         let places = Places::group(&cloud(9000, 11), None).unwrap();
-        let (found, _) = places.visit_blocks(24, 0, &Progress::hidden(), |_, others, _| others.to_vec(), |seen| seen);
+        let found = places.visit(24, &Progress::hidden(), |_, others, _| others.to_vec());
         for blocks in 0..=3 {
             let (room, hidden) = (blocks * 4 * 24 * BLOCK, Progress::hidden());
-            let (_, lists) = places.visit_blocks(24, room, &hidden, |_, _, distance| distance, |seen| seen);
+            let lists = places.visit_blocks(24, room, &hidden, |_, _, _| (), vec![(); 3], |_, ()| ());
             assert_eq!(lists.kept.iter().flatten().count(), blocks);
             assert_eq!(lists.kept.len(), 3);
             assert!(lists.visit(&places, |_, others| others.to_vec()) == found, "{blocks} kept");
@@ -488,10 +570,11 @@ pub(super) mod tests {
             let (others, _) = places.others(place, k);
             others.iter().any(|&rank| distances[place] > times * distances[places.place_of(rank)])
         };
-        let visited = places.revisit_uneven(k, times, &distances, |_, _| -1.0);
-        let again = visited.iter().filter(|value| **value < 0.0).count();
-        for (place, value) in visited.into_iter().enumerate() {
-            assert!(value == -1.0 || value == distances[place] && !is_uneven(place), "place {place}");
+        let visited = places.revisit_uneven(k, times, &distances, |place, _| place as f64);
+        assert!(visited.is_sorted() && visited.iter().all(|(place, value)| *value == *place as f64));
+        let again = visited.len();
+        for place in (0..places.len()).filter(|place| is_uneven(*place)) {
+            assert!(visited.binary_search_by_key(&place, |(place, _)| *place).is_ok(), "place {place}");
         }
         // In the ball, the grid and about the outliers.
         assert!(0 < again && again < places.len() / 10, "{again} of {}", places.len());
@@ -504,7 +587,7 @@ pub(super) mod tests {
             points[0] *= stray;
             let places = Places::group(&points, None).unwrap();
             places.visit(24, &Progress::hidden(), |place, others, distance| {
-                assert_eq!((others.to_vec(), distance), brute_force(&places, place, 24), "{scale} {place}");
+                assert_eq!((others.to_vec(), distance), brute_force(&points, &places, place, 24), "{scale} {place}");
             });
         }
     }

@@ -7,12 +7,16 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+use bytemuck::allocation::zeroed_vec;
 use glam::DVec3;
 use pulp::Arch;
 
 use super::region::{LANES, Region, larger};
 use super::tree::{Cuboid, LEAF, Node, PlaceTree};
 use pellucid_core::parallel;
+
+/// Places whose positions one thread copies at a time.
+const COPIED: usize = 1 << 14;
 
 /// Numbers that are tried before distances are selected by moving them.
 const CUTS: usize = 8;
@@ -34,15 +38,21 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Builds the search from positions by rank, and the first rank of each place.
-    pub fn new(positions: &[DVec3], starts: &[u32], unit: f64) -> Self {
+    /// Builds the search over so many places, given the position of each.
+    pub fn new(len: usize, position: impl Fn(usize) -> DVec3 + Sync, unit: f64) -> Self {
         let per_unit = 1.0 / unit;
-        let len = starts.len();
-        let column = |axis: usize| {
-            let at = |place: usize| starts.get(place).map_or(f64::INFINITY, |&rank| positions[rank as usize][axis]);
-            parallel::map(len + LANES, |place| at(place) * per_unit)
-        };
-        Self { x: column(0), y: column(1), z: column(2), len }
+        let [mut x, mut y, mut z]: [Vec<f64>; 3] = std::array::from_fn(|_| zeroed_vec(len + LANES));
+        let each = x.chunks_mut(COPIED).zip(y.chunks_mut(COPIED)).zip(z.chunks_mut(COPIED));
+        let mut parts: Vec<_> = each.map(|((x, y), z)| [x, y, z]).collect();
+        parallel::for_each_mut(&mut parts, |part, [x, y, z]| {
+            for i in 0..x.len() {
+                let place = part * COPIED + i;
+                let position = if place < len { position(place) * per_unit } else { DVec3::INFINITY };
+                [x[i], y[i], z[i]] = position.to_array();
+            }
+        });
+        drop(parts);
+        Self { x, y, z, len }
     }
 
     /// Returns the number of places.

@@ -133,9 +133,11 @@ fn compute(
     let (neighbors, cap) = (request.neighbors_of(like), request.radius_cap_of(like));
     let field = request.field_of(like);
     let is_stored = request.stored_field(like).is_some();
-    let wants = Wants { normals: request.normals, fields: !is_stored && field == Field::Uncertainty };
+    let radii = request.stored_radii(like).is_none();
+    let fields = !is_stored && field == Field::Uncertainty;
+    let wants = Wants { radii: true, uncapped: false, normals: request.normals, fields, last: true };
     let k = usize::try_from(summary.points - 1).unwrap_or(usize::MAX).min(neighbors);
-    let plan = ValuePlan { k, cap, radii: request.stored_radii(like).is_none(), wants };
+    let plan = ValuePlan { k, cap, radii, wants };
     let source = RegionStore::new(octree, settings.host_memory / HELD);
     let from_columns = !is_stored && field != Field::Uncertainty;
     progress.set_message("looking at the points");
@@ -185,7 +187,7 @@ fn solve(
     values: &Values,
     progress: &Progress,
 ) -> Result<(), Error> {
-    if !plan.radii && plan.wants == (Wants { normals: false, fields: false }) {
+    if !plan.radii && !plan.wants.normals && !plan.wants.fields {
         return Ok(());
     }
     progress.set_message("finding neighbors");

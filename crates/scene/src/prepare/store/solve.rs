@@ -109,12 +109,12 @@ impl Solver<'_> {
             && let Some(places) = self.places(&local)
         {
             let point = find(&local);
-            let at = places.order.iter().position(|other| *other == point).unwrap_or(0);
+            let at = (0..places.points()).position(|rank| places.index(rank) == point).unwrap_or(0);
             let (others, _) = places.others(places.place_of(at as u32), k);
             balls.extend(others.into_iter().map(|rank| {
                 let (_, distance) = places.others(places.place_of(rank), k);
                 let radius = distance * places.unit * WIDER + self.source.cell;
-                (places.positions[rank as usize], radius)
+                (local.positions[places.index(rank as usize)], radius)
             }));
             local = self.source.gather(&SpaceRegion::Balls(balls))?;
         }
