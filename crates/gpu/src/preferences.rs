@@ -19,15 +19,30 @@ pub struct Preferences {
     /// `true` if the tiles' lists of ordered splats come from a stable sort of pairs of tile and splat, of which a GPU
     /// moves thousands at once; false if each subgroup takes a run of splats one by one, which needs no further memory.
     pub tile_pairs: bool,
+    /// `true` if buffers may be larger than maxMemoryAllocationSize, up to maxBufferSize. Vulkan lets such allocations
+    /// succeed or fail; drivers of GPUs with much memory name 4 GiB and give more. A CPU driver has what it promises.
+    pub large_allocations: bool,
 }
 
 impl Preferences {
     /// Preferences of drivers that run on a CPU.
-    pub const CPU: Self =
-        Self { concurrent_runs: 32, shared_work: false, small_area: 1024, host_writes: true, tile_pairs: false };
+    pub const CPU: Self = Self {
+        concurrent_runs: 32,
+        shared_work: false,
+        small_area: 1024,
+        host_writes: true,
+        tile_pairs: false,
+        large_allocations: false,
+    };
     /// Preferences of GPUs.
-    pub const GPU: Self =
-        Self { concurrent_runs: 4096, shared_work: true, small_area: 64, host_writes: false, tile_pairs: true };
+    pub const GPU: Self = Self {
+        concurrent_runs: 4096,
+        shared_work: true,
+        small_area: 64,
+        host_writes: false,
+        tile_pairs: true,
+        large_allocations: true,
+    };
 
     pub(super) fn of(device_type: vk::PhysicalDeviceType) -> Self {
         if device_type == vk::PhysicalDeviceType::CPU { Self::CPU } else { Self::GPU }
