@@ -20,7 +20,7 @@ pub fn run(device: &Device) -> Result<bool> {
             "pipeline_statistics": info.pipeline_statistics, "conditional": info.conditional,
             "multisampled": info.multisampled, "prefers": format!("{:?}", info.prefers),
             "binding_bytes": limits.binding_bytes, "allocation_bytes": limits.allocation_bytes,
-            "heap_bytes": limits.heap_bytes, "groups_x": limits.groups_x, "shared_bytes": limits.shared_bytes,
+            "buffer_bytes": limits.buffer_bytes, "heap_bytes": limits.heap_bytes, "groups_x": limits.groups_x, "shared_bytes": limits.shared_bytes,
             "storage_buffers": limits.storage_buffers,
         }),
     );

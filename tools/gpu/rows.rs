@@ -1,7 +1,7 @@
 //! Rows: the times of a method on a scene in a size, as a whole and of each pass.
 
 use pellucid_engine::Result;
-use pellucid_engine::methods::{self, Frame, FrameProfile, PassProfile, Renderer};
+use pellucid_engine::methods::{self, Frame, FrameProfile, Outputs, PassProfile, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::median;
 use pellucid_engine::totals::{self, Effort};
@@ -110,9 +110,8 @@ fn measure(
 ) -> std::result::Result<Value, methods::Error> {
     let effort = if bounds.quick { Effort::LOOK } else { Effort::RELIABLE };
     // The picture stays on the device, so that the host does as little as can be between two frames.
-    renderer.host_colors = false;
-    let totals = totals::measure(renderer, cloud, frame, Some(yardstick), effort)?;
-    renderer.host_colors = true;
+    let staying = Frame { outputs: Outputs::SCREEN, ..*frame };
+    let totals = totals::measure(renderer, cloud, &staying, Some(yardstick), effort)?;
     let mut profiles: Vec<FrameProfile> = Vec::new();
     let mut facts = None;
     // The first of these has the picture's memory made.

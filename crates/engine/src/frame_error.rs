@@ -186,7 +186,10 @@ pub enum Error {
         limit: u64,
     },
     /// The cloud is longer than the device can address.
-    #[error("{points} points, but for the method in force maxStorageBufferRange of this device allows {limit} at most")]
+    #[error(
+        "{points} points, but for the method in force the buffers of this device (maxStorageBufferRange, maxBufferSize, \
+         maxMemoryAllocationSize) hold {limit} at most"
+    )]
     TooManyPoints {
         /// Points of the scene.
         points: u64,

@@ -21,6 +21,7 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         method: _,
         detail,
         memory_budget,
+        outputs: _,
         fragments: _,
         depths: _,
         stop,

@@ -35,7 +35,7 @@ const UNDECLARED: [(&str, &str, &str); 27] = [
     (
         "image/read-back",
         "copy",
-        "Copies color and depth of the window to the host, or depth alone where colors are shown from the device.",
+        "Copies the outputs of the window that are wanted to the host: colors, as floats or as the bytes of a PNG, and depths.",
     ),
     (
         "image-space/clear",

@@ -5,7 +5,7 @@ pub use crate::methods::Step;
 use crate::gpu::Device;
 use crate::methods::explain::FramePlan;
 use crate::methods::soft::SoftModel;
-use crate::methods::{Facts, Frame, Renderer, engine_of, pass_groups};
+use crate::methods::{Colors, Facts, Frame, Renderer, brought, engine_of, pass_groups};
 use crate::passes::project::{DeviceCloud, Parts};
 use crate::points::Points;
 use crate::scene::{
@@ -151,11 +151,13 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         plan.rest_of(&group);
     }
     let [width, height] = frame.size;
-    plan.add(
-        "image/read-back",
-        true,
-        format!("{width} × {height} pixels, copied to the host from {} window(s)", facts.windows),
-    );
+    let outputs = brought(frame);
+    if outputs.colors == Colors::Bytes {
+        plan.add("image/encode", true, "8-bit colors over the background, those of a PNG".to_owned());
+    }
+    let (bytes, windows) = (outputs.pixel_bytes(), facts.windows);
+    let copied = format!("{width} × {height} pixels of {bytes} bytes, copied to the host from {windows} window(s)");
+    plan.add("image/read-back", true, copied);
     plan.eye_dome();
     plan.steps
 }

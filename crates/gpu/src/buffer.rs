@@ -13,10 +13,13 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 
 use super::deletions::Deletion;
-use super::{Context, Error, GpuType, Recorder, Stamps, guard};
+use super::{Context, Error, GpuType, Limits, Recorder, Stamps, guard};
 
 /// Bytes of the staging buffer that uploads to GPUs and read-backs pass through.
 const STAGING_BYTES: u64 = 16 << 20;
+
+/// The limit below which an allocation needs no more than free memory.
+const PROMISED: &str = "maxMemoryAllocationSize";
 
 /// The memory of a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,14 +55,13 @@ pub struct Buffer<T> {
 impl<T: GpuType> Buffer<T> {
     pub(super) fn new(context: &Arc<Context>, name: &str, len: u64, memory: Memory) -> Result<Self, Error> {
         let too_large = |bytes, limit, limit_name| Error::TooLarge { name: name.to_owned(), bytes, limit, limit_name };
-        let allowed = context.limits.allocation_bytes;
-        let bytes = len
-            .max(1)
-            .checked_mul(size_of::<T>() as u64)
-            .ok_or_else(|| too_large(u64::MAX, allowed, "maxMemoryAllocationSize"))?;
-        if bytes > allowed {
-            return Err(too_large(bytes, allowed, "maxMemoryAllocationSize"));
+        let Limits { allocation_bytes, buffer_bytes, .. } = context.limits;
+        let limit_name = if context.info.prefers.large_allocations { "maxBufferSize" } else { PROMISED };
+        let bytes = len.max(1).saturating_mul(size_of::<T>() as u64);
+        if bytes > buffer_bytes {
+            return Err(too_large(bytes, buffer_bytes, limit_name));
         }
+        let is_promised = bytes <= allocation_bytes;
         // The limit leaves room for the guard.
         let bytes = bytes + guard::bytes();
         let conditional = vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
@@ -77,7 +79,11 @@ impl<T: GpuType> Buffer<T> {
             Self { context: context.clone(), name: name.to_owned(), raw, allocation: None, len, element: PhantomData };
         // SAFETY: `raw` was just made from this device.
         let requirements = unsafe { context.device.get_buffer_memory_requirements(raw) };
-        let allocation = context.allocate(name, bytes, requirements, (memory.location(), true))?;
+        let allocation = match context.allocate(name, bytes, requirements, (memory.location(), true)) {
+            // The device gives no more than it promises.
+            Err(Error::OutOfMemory { .. }) if !is_promised => Err(too_large(bytes, allocation_bytes, PROMISED)),
+            allocated => allocated,
+        }?;
         // SAFETY: the memory is fresh and large enough, at the offset that the allocator aligned.
         let bound = unsafe { context.device.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
         context.note_allocation((vk::Buffer::TYPE, raw.as_raw()), name, requirements.size);

@@ -374,7 +374,9 @@ fn create_device(
 /// The limits, and a key that changes with the driver.
 fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String) {
     let mut maintenance3 = vk::PhysicalDeviceMaintenance3Properties::default();
-    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut maintenance3);
+    let mut maintenance4 = vk::PhysicalDeviceMaintenance4Properties::default();
+    let mut properties =
+        vk::PhysicalDeviceProperties2::default().push_next(&mut maintenance3).push_next(&mut maintenance4);
     // SAFETY: plain queries on a live instance.
     let memory = unsafe {
         instance.raw.get_physical_device_properties2(physical, &mut properties);
@@ -385,8 +387,13 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
     let limits = Limits {
         binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
         range_bytes: u64::from(basic.limits.max_storage_buffer_range),
-        // The guard is part of each allocation.
-        allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::bytes()),
+        // The guard is part of each allocation and buffer.
+        allocation_bytes: maintenance3
+            .max_memory_allocation_size
+            .min(maintenance4.max_buffer_size)
+            .saturating_sub(guard::bytes()),
+        // No allocation may be larger than its heap.
+        buffer_bytes: maintenance4.max_buffer_size.min(heap_bytes).saturating_sub(guard::bytes()),
         offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
         groups_x: basic.limits.max_compute_work_group_count[0],
         shared_bytes: basic.limits.max_compute_shared_memory_size,

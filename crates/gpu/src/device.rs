@@ -198,8 +198,15 @@ impl Device {
         }
         let prefers = options.prefers.unwrap_or(info.prefers);
         let mut context = Context::new(instance, *physical, DeviceInfo { prefers, ..info.clone() }, options)?;
-        let allowed = &mut context.limits.binding_bytes;
-        *allowed = options.binding_bytes.map_or(*allowed, |bytes| bytes.min(*allowed));
+        let Limits { binding_bytes, allocation_bytes, buffer_bytes, .. } = &mut context.limits;
+        for (allowed, option) in
+            [(&mut *binding_bytes, options.binding_bytes), (&mut *allocation_bytes, options.allocation_bytes)]
+        {
+            *allowed = option.map_or(*allowed, |bytes| bytes.min(*allowed));
+        }
+        if !prefers.large_allocations {
+            *buffer_bytes = *allocation_bytes;
+        }
         Ok(Self(Arc::new(context)))
     }
 

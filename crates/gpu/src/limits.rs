@@ -20,6 +20,9 @@ pub struct DeviceOptions {
     pub robust: bool,
     /// Bind no more bytes at a time than this, even if the device allows more: shows on any device how work is cut.
     pub binding_bytes: Option<u64>,
+    /// Take this for the device's maxMemoryAllocationSize if it is lower: shows on any device what becomes of larger
+    /// buffers.
+    pub allocation_bytes: Option<u64>,
     /// Shape work like this, whatever the device prefers: shows on any device what another one does.
     pub prefers: Option<Preferences>,
     /// Have the driver keep what it finds out about each pipeline, as far as it can:
@@ -58,8 +61,11 @@ pub struct Limits {
     pub binding_bytes: u64,
     /// The device's own limit of that, with the guard of debug builds: [`Self::binding_bytes`] may be lower.
     pub(super) range_bytes: u64,
-    /// Bytes of one allocation.
+    /// Bytes of one allocation that the device promises (maxMemoryAllocationSize). A larger one may fail.
     pub allocation_bytes: u64,
+    /// Bytes of one buffer: [`Self::allocation_bytes`], or more on devices where larger allocations are tried
+    /// ([`Preferences::large_allocations`]).
+    pub buffer_bytes: u64,
     /// Alignment of a storage-buffer binding's offset.
     pub offset_alignment: u64,
     /// Workgroups in x of one dispatch.

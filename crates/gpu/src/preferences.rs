@@ -22,6 +22,9 @@ pub struct Preferences {
     /// `true` if the invocations of a workgroup share the pixels of its squares in `spbr`, and each goes through few
     /// points; false if each walks the squares of its own points, one after another.
     pub spread_squares: bool,
+    /// `true` if buffers may be larger than maxMemoryAllocationSize, up to maxBufferSize. Vulkan lets such allocations
+    /// succeed or fail; drivers of GPUs with much memory name 4 GiB and give more. A CPU driver has what it promises.
+    pub large_allocations: bool,
 }
 
 impl Preferences {
@@ -33,6 +36,7 @@ impl Preferences {
         host_writes: true,
         tile_pairs: false,
         spread_squares: false,
+        large_allocations: false,
     };
     /// Preferences of GPUs.
     pub const GPU: Self = Self {
@@ -42,6 +46,7 @@ impl Preferences {
         host_writes: false,
         tile_pairs: true,
         spread_squares: true,
+        large_allocations: true,
     };
 
     pub(super) fn of(device_type: vk::PhysicalDeviceType) -> Self {

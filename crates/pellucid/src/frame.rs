@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pellucid_engine::methods::{SAMPLES, Stop};
+use pellucid_engine::methods::{Outputs, SAMPLES, Stop};
 use pellucid_scene::camera_at;
 use pellucid_session::FrameRequest;
 
@@ -194,7 +194,7 @@ impl<'a> FrameBuilder<'a> {
         if session.update(request, watcher, &watcher.progress()).map_err(of_engine)? {
             session.warn(watcher);
         }
-        let (rendered, options) = session.picture(Vec::new(), watcher).map_err(of_engine)?;
+        let (rendered, options) = session.picture(Outputs::default(), Vec::new(), watcher).map_err(of_engine)?;
         let mut profile = session.profile();
         profile.add(&rendered);
         Ok(Picture {

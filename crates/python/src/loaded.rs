@@ -150,7 +150,7 @@ impl Loaded {
 
 /// Renders the frame that the session is ready for.
 fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failure> {
-    let (rendered, options) = session.picture(Vec::new(), talk)?;
+    let (rendered, options) = session.picture(pellucid_engine::methods::Outputs::default(), Vec::new(), talk)?;
     let mut profile = session.profile();
     profile.add(&rendered);
     let picture = Picture {

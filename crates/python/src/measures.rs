@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use pellucid_engine::methods::{Frame, Stop};
+use pellucid_engine::methods::{Frame, Outputs, Stop};
 use pellucid_engine::profile;
 use pellucid_engine::totals::Effort;
 use pellucid_io::output;
@@ -22,7 +22,7 @@ use crate::talk::Talk;
 pub fn profile(session: &mut Session, (frames, steady): (u32, bool), talk: &Talk) -> Result<String, Failure> {
     let kept = session.frame;
     session.renderer.notes_tiles = true;
-    let first = session.first(talk);
+    let first = session.first(Outputs::default(), talk);
     session.renderer.notes_tiles = false;
     let first = first?;
     let mut profile = session.profile();

@@ -221,6 +221,7 @@ impl Picture {
             width,
             height,
             rgba: sized("rgba", &arrays.rgba, pixels)?,
+            bytes: None,
             depth: sized::<f32, 1>("depth", &arrays.depth, pixels)?.into_flattened(),
             depth_median: given("median_depth", &arrays.median, pixels)?.map(Vec::<[f32; 1]>::into_flattened),
             depth_mean: given("mean_depth", &arrays.mean, pixels)?.map(Vec::<[f32; 1]>::into_flattened),

@@ -3,7 +3,7 @@
 
 use bytesize::ByteSize;
 use pellucid_core::cloud::light_image::{FEWEST, Holes, automatic_resolution};
-use pellucid_core::image::Image;
+use pellucid_core::image::{Cover, Image};
 use pellucid_core::points::Points;
 use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::Applied;
@@ -17,9 +17,6 @@ use serde_json::{Value, json};
 use crate::ensemble_warnings;
 use crate::messages::Messages;
 use crate::prepared::Prepared;
-
-/// Opacity or transmittance below which a pixel looks empty or opaque.
-const HARDLY: f32 = 0.01;
 
 /// Share of the covered pixels that all look alike.
 const NEARLY_ALL: f64 = 0.9;
@@ -85,7 +82,7 @@ pub fn shadow_holes(cloud: &DeviceCloud, frame: &Frame) -> Option<String> {
 
 /// Says why an image of these points is empty; `None` if it isn't.
 pub fn empty(image: &Image, points: &Points, method: &Method) -> Option<String> {
-    if image.rgba.iter().any(|pixel| pixel[3] > 0.0) {
+    if !image.is_empty() {
         return None;
     }
     let opacities = &points.opacities;
@@ -209,12 +206,11 @@ pub fn judge(
 
 /// Returns how nearly every covered pixel looks, if all look alike.
 fn looks(image: &Image) -> Option<&'static str> {
-    let alphas = image.rgba.iter().map(|pixel| pixel[3]);
-    let covered = alphas.clone().filter(|a| *a > 0.0).count();
-    let nearly_all = |count: usize| count as f64 >= NEARLY_ALL * covered as f64;
-    let opaque = nearly_all(alphas.clone().filter(|a| *a > 1.0 - HARDLY).count());
-    let faint = nearly_all(alphas.filter(|a| *a > 0.0 && *a < HARDLY).count());
-    match (opaque, faint) {
+    let mut counts = [0u64; 4];
+    image.covers().for_each(|cover| counts[cover as usize] += 1);
+    let covered = counts.iter().sum::<u64>() - counts[Cover::Nothing as usize];
+    let nearly_all = |cover: Cover| counts[cover as usize] as f64 >= NEARLY_ALL * covered as f64;
+    match (nearly_all(Cover::Fully), nearly_all(Cover::Hardly)) {
         (true, _) => Some("opaque"),
         (false, true) => Some("empty"),
         (false, false) => None,

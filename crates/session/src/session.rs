@@ -12,7 +12,9 @@ use pellucid_core::progress::{Phase, Progress};
 use pellucid_engine::Result;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, OpacityFactor};
-use pellucid_engine::methods::{DrawnPart, Error as FrameError, Frame, PassProfile, Rendered, Renderer, SamplePart};
+use pellucid_engine::methods::{
+    DrawnPart, Error as FrameError, Frame, Outputs, PassProfile, Rendered, Renderer, SamplePart,
+};
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::plan;
 use pellucid_engine::profile::{self, Profile};
@@ -393,7 +395,15 @@ impl Session {
     /// # Errors
     /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.
     pub fn render(&mut self) -> Result<Rendered> {
-        self.render_by(Renderer::render)
+        self.render_by(Renderer::render, self.frame.outputs)
+    }
+
+    /// Renders one frame like [`Self::render`], of which the host needs these outputs alone.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::render`].
+    pub fn render_for(&mut self, outputs: Outputs) -> Result<Rendered> {
+        self.render_by(Renderer::render, outputs)
     }
 
     /// Renders one frame, and finds its device time as a whole ([`Renderer::render_whole`]).
@@ -401,7 +411,7 @@ impl Session {
     /// # Errors
     /// Returns the errors of [`Self::render`].
     pub fn render_whole(&mut self) -> Result<Rendered> {
-        self.render_by(Renderer::render_whole)
+        self.render_by(Renderer::render_whole, self.frame.outputs)
     }
 
     /// Measures the session's frame at a steady clock ([`totals::measure`]).
@@ -416,11 +426,11 @@ impl Session {
         Ok(found)
     }
 
-    fn render_by(&mut self, render: Render) -> Result<Rendered> {
+    fn render_by(&mut self, render: Render, outputs: Outputs) -> Result<Rendered> {
         self.progress.begin(Phase::Frame);
         // Trial frames did without median and mean depths.
         let depths = self.frame.depths || self.prepared.request.frame.depths;
-        let rendered = render(&mut self.renderer, &mut self.uploaded.cloud, &Frame { depths, ..self.frame })?;
+        let rendered = render(&mut self.renderer, &mut self.uploaded.cloud, &Frame { depths, outputs, ..self.frame })?;
         self.device.check_validation()?;
         Ok(rendered)
     }
@@ -446,12 +456,17 @@ impl Session {
     }
 
     /// Renders a picture, reports what is odd about it, and returns it as it is written, with the way in which that is
-    /// done; `own` is added to the metadata.
+    /// done; `own` is added to the metadata. Of the image the caller needs these outputs.
     ///
     /// # Errors
     /// Returns the errors of [`Self::render`], [`Self::judge`] and [`Self::finish`].
-    pub fn picture(&mut self, own: Vec<(String, String)>, messages: &dyn Messages) -> Result<(Rendered, WriteOptions)> {
-        let mut rendered = self.first(messages)?;
+    pub fn picture(
+        &mut self,
+        outputs: Outputs,
+        own: Vec<(String, String)>,
+        messages: &dyn Messages,
+    ) -> Result<(Rendered, WriteOptions)> {
+        let mut rendered = self.first(outputs, messages)?;
         self.judge(&rendered.image, messages)?;
         let options = self.finish(&mut rendered, own, messages)?;
         Ok((rendered, options))

@@ -68,8 +68,12 @@ pub fn with_new_device(test: impl FnOnce(&Device)) {
 
 /// Runs a test like [`with_new_device`], with work shaped like this, whatever the device prefers.
 pub fn with_device_that_prefers(prefers: Preferences, test: impl FnOnce(&Device)) {
-    let options = DeviceOptions { prefers: Some(prefers), ..DeviceOptions::validated() };
-    with_opened(|| Device::open(&options).map_err(|error| error.to_string()), test);
+    with_device_of(&DeviceOptions { prefers: Some(prefers), ..DeviceOptions::validated() }, test);
+}
+
+/// Runs a test like [`with_new_device`], with a device that is opened by these options.
+pub fn with_device_of(options: &DeviceOptions, test: impl FnOnce(&Device)) {
+    with_opened(|| Device::open(options).map_err(|error| error.to_string()), test);
 }
 
 /// Runs a test on a device that is opened for it and closed behind it.

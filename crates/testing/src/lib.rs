@@ -12,7 +12,8 @@ use pellucid_gpu::Device;
 use pellucid_scene::Method;
 
 pub use devices::{
-    alone, has_device, with_device, with_device_that_binds, with_device_that_prefers, with_new_device, with_only_device,
+    alone, has_device, with_device, with_device_of, with_device_that_binds, with_device_that_prefers, with_new_device,
+    with_only_device,
 };
 pub use pellucid_testing_host::*;
 pub use rendering::{by_windows, render, rendered, rendered_by_both_atomics};

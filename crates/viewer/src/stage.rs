@@ -13,7 +13,7 @@ use super::thinned::{self, ThinnedCloud};
 use pellucid_core::camera::StatedCamera;
 use pellucid_core::points::{Changes, Points};
 use pellucid_engine::methods::brightness::Applied;
-use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, shadows};
+use pellucid_engine::methods::{self, Frame, Outputs, Rendered, Renderer, Stop, shadows};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::{Result, plan};
 use pellucid_gpu::Device;
@@ -299,11 +299,12 @@ impl SceneRenderer {
     fn draw(&mut self, whole: &Frame, draft: Draft, effort: Effort) -> Result<(Rendered, Option<Applied>)> {
         let Some(UploadedScene { session, thinned, .. }) = &mut self.placed else { return Err(no_points()) };
         let method = draft.method(whole.method);
-        session.frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
         // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
-        session.renderer.host_colors = !matches!(effort, Effort::Moving(_));
+        let outputs = if matches!(effort, Effort::Moving(_)) { Outputs::SCREEN } else { Outputs::default() };
+        let (ensembles, size) = (draft.ensembles(&method), draft.size(whole.size));
+        session.frame = Frame { method, outputs, ensembles, size, ..*whole };
         let drawn = draw(session, thinned, (draft, effort));
-        session.renderer.host_colors = true;
+        session.frame.outputs = Outputs::default();
         drawn
     }
 
@@ -413,7 +414,8 @@ fn draw(
         && shadows::casting(&session.frame, &session.uploaded.cloud).is_none();
     if !is_thinned {
         // Only pictures of full effort have the scene's samples.
-        let mut rendered = if effort == Effort::Whole { session.first(&Silent) } else { session.render() }?;
+        let mut rendered =
+            if effort == Effort::Whole { session.first(session.frame.outputs, &Silent) } else { session.render() }?;
         let brightness = session.brighten(&mut rendered)?;
         return Ok((rendered, brightness));
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pellucid_engine::Result;
-use pellucid_engine::methods::Stop;
+use pellucid_engine::methods::{Outputs, Stop};
 use pellucid_io::output::{self, Output};
 use pellucid_session::area::Against;
 use pellucid_session::choice::Wish;
@@ -60,6 +60,12 @@ impl RenderJob {
             };
         }
         Ok(Self { target, along, request, args })
+    }
+
+    /// Returns the outputs of the pictures that are written, or compared with others.
+    pub fn outputs(&self) -> Outputs {
+        let needs_floats = self.args.transparent || self.args.popping.is_some();
+        if is_png(&self.target.first()) && !needs_floats { Outputs::PNG } else { Outputs::default() }
     }
 }
 

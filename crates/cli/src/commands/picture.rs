@@ -91,7 +91,7 @@ fn picture(
     session.renderer.timed = job.args.measure.is_asked() || progress.console.is_verbose();
     session.describe(progress);
     let own = step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}")));
-    let (mut rendered, options) = session.picture(own.into_iter().collect(), progress)?;
+    let (mut rendered, options) = session.picture(job.outputs(), own.into_iter().collect(), progress)?;
     progress.finish_and_clear();
     write(job, &session, &mut rendered, options, output, progress)?;
     profile.add(&rendered);

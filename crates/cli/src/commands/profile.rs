@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pellucid_core::camera::StatedCamera;
-use pellucid_engine::methods::{Rendered, Stop};
+use pellucid_engine::methods::{Outputs, Rendered, Stop};
 use pellucid_engine::pipelines::Pipelines;
 use pellucid_engine::totals::Effort;
 use pellucid_engine::{Result, profile};
@@ -126,7 +126,7 @@ pub fn run(mut args: ProfileArgs, console: Console) -> Result<()> {
     session.describe(&progress);
     // The first frame pays for pipelines and buffers.
     session.renderer.notes_tiles = true;
-    let first = session.first(&progress)?;
+    let first = session.first(Outputs::default(), &progress)?;
     session.renderer.notes_tiles = false;
     let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));
     let casting_ms = shadows.map(|pass| pass.gpu.as_secs_f64() * 1e3).sum::<f64>();

@@ -82,7 +82,8 @@ pub fn run(
     let mut records = Records::open(&frames, &session)?;
     interrupt::defer();
     let due = if records.popped.is_some() { (0..frames.files.len()).collect() } else { frames.missing() };
-    let due = Due { count: due.len(), numbers: &mut due.into_iter(), render: &mut Session::render };
+    let render = &mut |session: &mut Session| session.render_for(job.outputs());
+    let due = Due { count: due.len(), numbers: &mut due.into_iter(), render };
     let rendered = frames.render(&mut session, &mut records, due, progress, console)?;
     progress.finish_and_clear();
     let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());
@@ -176,7 +177,7 @@ impl<'a> Frames<'a> {
             }
             session.look_through(self.cameras[number]);
             let mut rendered = (due.render)(session)?;
-            if rendered.image.rgba.iter().all(|[.., a]| *a == 0.0) {
+            if rendered.image.is_empty() {
                 empty.push(number);
             }
             if let Some(popped) = &mut records.popped {

@@ -1,5 +1,5 @@
-// image/encode: pixels over a background as bytes, those of the PNG, in some rows of a picture. One invocation per
-// pixel of the picture. A coarser image is enlarged by bilinear interpolation: the centers of both coincide, and a row
+// image/encode: pixels over a background as bytes, those of the PNG, in some rows of a picture, and the cover of each
+// pixel if it is asked for. One invocation per pixel of the picture. A coarser image is enlarged by bilinear interpolation: the centers of both coincide, and a row
 // of the picture is `scale` rows of the image. Reference: output::to_byte.
 #import dispatch
 
@@ -62,6 +62,18 @@ fn byte_of(value: f32) -> u32 {
     return byte;
 }
 
+// How much of a pixel is covered, 0 (nothing) to 3 (all that can be seen): core::image::Cover.
+fn cover(alpha: f32) -> u32 {
+    if alpha > push.opaque {
+        return 3u;
+    }
+    if alpha >= push.faint {
+        return 2u;
+    }
+    // By its bits, since devices may take the smallest numbers for 0; NaN and negative numbers are nothing.
+    return select(0u, 1u, bitcast<u32>(alpha) - 1u < 0x7f800000u);
+}
+
 #main p {
     if p >= push.count {
         return;
@@ -79,5 +91,9 @@ fn byte_of(value: f32) -> u32 {
     let b = byte_of(color.b);
     let first = select(r, b, push.blue_first == 1u);
     let third = select(b, r, push.blue_first == 1u);
-    bytes[p] = first | (g << 8u) | (third << 16u) | (255u << 24u);
+    var last = 255u;
+    if push.covers == 1u {
+        last = cover(image[row * push.image_width + column].a);
+    }
+    bytes[p] = first | (g << 8u) | (third << 16u) | (last << 24u);
 }

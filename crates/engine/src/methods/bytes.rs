@@ -66,7 +66,8 @@ impl PassRuns<'_> {
     fn common(&self) -> Option<u64> {
         match self.name {
             "image/clear" => Some(self.pixels() * 20),
-            "image/read-back" => Some(self.pixels() * if self.image.has_colors() { 20 * 2 } else { 4 * 2 }),
+            "image/encode" => Some(self.pixels() * (16 + 4)),
+            "image/read-back" => Some(self.pixels() * self.image.pixel_bytes() * 2),
             name if name.starts_with("shading/") => edl::least_bytes(name, self.pixels()),
             // Runs have some of the points then, and how many is not known.
             name if name.starts_with("shadows/") && self.cloud.supply().is_some() => None,

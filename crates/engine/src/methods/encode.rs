@@ -1,4 +1,4 @@
-//! Images as the bytes that a window shows, found where the colors are: on the device.
+//! Images as the bytes that a window shows or a PNG has, found where the colors are: on the device.
 
 use std::sync::Arc;
 
@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::color::{decode_srgb, encode_srgb};
 use crate::gpu::Error;
+use crate::image::HARDLY;
 use crate::methods::prelude::*;
 use crate::output::{background, to_byte};
 use crate::scene::ColorSpace;
@@ -26,12 +27,15 @@ gpu_struct! {
         background_b: f32,
         encoded: u32, // 1 if the image's colors are encoded.
         blue_first: u32, // 1 if blue comes first in memory.
+        covers: u32, // 1 if the last byte is the pixel's cover, and not 255.
+        faint: f32, // A below which cover is faint.
+        opaque: f32, // A above which it is full.
     }
 }
 
 pass! {
-    /// Puts pixels of an image over a background and encodes them as bytes, those of the PNG, for a window that shows
-    /// them. Coarser drafts are enlarged.
+    /// Puts pixels of an image over a background and encodes them as bytes, those of the PNG: for a window that shows
+    /// them, where coarser drafts are enlarged, and for a PNG, beside each pixel's cover.
     pub EncodePixels(EncodePush) = "image/encode" in "image/encode" {
         image: Read<[f32; 4]>,
         steps: Read<f32>,
@@ -79,10 +83,93 @@ pub struct Showing {
     pub blue_first: bool,
 }
 
+impl Showing {
+    /// Returns what the pass needs to know, for some rows from the first on.
+    fn push(&self, [first_row, rows]: [u32; 2]) -> EncodePush {
+        let ([image_width, image_height], [width, height]) = (self.image, self.picture);
+        let background = background(self.background, self.color);
+        EncodePush {
+            count: rows * width,
+            first_row,
+            width,
+            height,
+            image_width,
+            image_height,
+            scale: (f64::from(image_height) / f64::from(height)) as f32,
+            background_r: background.x,
+            background_g: background.y,
+            background_b: background.z,
+            encoded: u32::from(self.color == ColorSpace::Encoded),
+            blue_first: u32::from(self.blue_first),
+            covers: 0,
+            faint: HARDLY,
+            opaque: 1.0 - HARDLY,
+        }
+    }
+}
+
+/// The steps of bytes on a device.
+struct Steps([Buffer<f32>; 2]);
+
+impl Steps {
+    fn new(device: &Device) -> Result<Self, Error> {
+        let steps_of = |color| -> Result<_, Error> {
+            let steps = byte_steps(color);
+            // Written in place: until the first picture no submission can fail.
+            let mut buffer = device.buffer("steps of bytes", steps.len() as u64, Memory::Upload)?;
+            buffer.write(&steps);
+            Ok(buffer)
+        };
+        Ok(Self([steps_of(ColorSpace::Linear)?, steps_of(ColorSpace::Encoded)?]))
+    }
+
+    /// Returns those of a color space.
+    fn of(&self, color: ColorSpace) -> Slice<'_, f32> {
+        self.0[usize::from(color == ColorSpace::Encoded)].all()
+    }
+}
+
+/// Encodes the pixels of windows as they come to the host: R, G, B of an opaque PNG and the pixel's
+/// [`Cover`](crate::image::Cover).
+pub(super) struct PixelEncoder {
+    steps: Steps,
+    /// The background, linear.
+    background: Vec3,
+    color: ColorSpace,
+}
+
+impl PixelEncoder {
+    /// Creates an encoder of pixels with black behind them.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self { steps: Steps::new(device)?, background: Vec3::ZERO, color: ColorSpace::Linear })
+    }
+
+    /// Takes the background and the color space of a frame.
+    pub fn follow(&mut self, frame: &Frame) {
+        (self.background, self.color) = (frame.background, frame.color);
+    }
+
+    /// Records the encoding of all pixels of an image.
+    pub fn record<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        image: Slice<'a, [f32; 4]>,
+        bytes: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        // As one row: pixels have no neighbors here.
+        let row = [image.len() as u32, 1];
+        let of_window =
+            Showing { image: row, picture: row, background: self.background, color: self.color, blue_first: false };
+        let push = EncodePush { covers: 1, ..of_window.push([0, 1]) };
+        let (steps, count) = (self.steps.of(self.color), image.len());
+        recorder.run(&EncodePixels { image, steps, bytes }, push, &Run::new(Dispatch::Invocations(count)))
+    }
+}
+
 /// Encodes images into buffers, each of which is used again when nobody else holds it.
 pub struct Encoder {
     device: Device,
-    steps: [Buffer<f32>; 2],
+    steps: Steps,
     buffers: Vec<Arc<Buffer<u32>>>,
 }
 
@@ -92,15 +179,7 @@ impl Encoder {
     /// # Errors
     /// Vulkan errors.
     pub fn new(device: &Device) -> Result<Self, Error> {
-        let steps_of = |color| -> Result<_, Error> {
-            let steps = byte_steps(color);
-            // Written in place: until the first picture no submission can fail.
-            let mut buffer = device.buffer("steps of bytes", steps.len() as u64, Memory::Upload)?;
-            buffer.write(&steps);
-            Ok(buffer)
-        };
-        let steps = [steps_of(ColorSpace::Linear)?, steps_of(ColorSpace::Encoded)?];
-        Ok(Self { device: device.clone(), steps, buffers: Vec::new() })
+        Ok(Self { device: device.clone(), steps: Steps::new(device)?, buffers: Vec::new() })
     }
 
     /// Returns the bytes of an image on the device, 4 a pixel of the picture, row by row.
@@ -110,29 +189,15 @@ impl Encoder {
     pub fn encode(&mut self, image: Slice<'_, [f32; 4]>, how: &Showing) -> Result<Arc<Buffer<u32>>, Error> {
         let shown = self.unused(how.picture)?;
         let [width, height] = how.picture;
-        let background = background(how.background, how.color);
-        let steps = &self.steps[usize::from(how.color == ColorSpace::Encoded)];
+        let steps = self.steps.of(how.color);
         let mut recorder = self.device.recorder()?;
         let rows = rows_of_binding(width, self.device.limits().binding_bytes);
         for first_row in (0..height).step_by(rows as usize) {
-            let count = u64::from(rows.min(height - first_row)) * u64::from(width);
-            let push = EncodePush {
-                count: count as u32,
-                first_row,
-                width,
-                height,
-                image_width: how.image[0],
-                image_height: how.image[1],
-                scale: (f64::from(how.image[1]) / f64::from(height)) as f32,
-                background_r: background.x,
-                background_g: background.y,
-                background_b: background.z,
-                encoded: u32::from(how.color == ColorSpace::Encoded),
-                blue_first: u32::from(how.blue_first),
-            };
+            let rows = rows.min(height - first_row);
+            let count = u64::from(rows) * u64::from(width);
             let bytes = shown.slice(u64::from(first_row) * u64::from(width), count);
-            let pass = EncodePixels { image, steps: steps.all(), bytes };
-            recorder.run(&pass, push, &Run::new(Dispatch::Invocations(count)))?;
+            let push = how.push([first_row, rows]);
+            recorder.run(&EncodePixels { image, steps, bytes }, push, &Run::new(Dispatch::Invocations(count)))?;
         }
         recorder.submit("image/encode")?;
         Ok(shown)

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::engine::Fragments;
-use super::{Error, SAMPLES, Stop, engine_of};
+use super::{Error, Outputs, SAMPLES, Stop, engine_of};
 use crate::camera::Camera;
 use crate::image::MAX_SIDE;
 use crate::scene::{ColorSpace, Detail, Kernel, Method, Order, Scene, Shading, Shadows};
@@ -22,7 +22,8 @@ pub struct Frame {
     pub shadows: Option<Shadows>,
     /// The color space of blending.
     pub color: ColorSpace,
-    /// Linear RGB behind the picture. It counts only in means of encoded images, which are means of what they show.
+    /// Linear RGB behind the picture. It counts in means of encoded images, which are means of what they show, and in
+    /// [`Colors::Bytes`](super::Colors::Bytes).
     pub background: Vec3,
     /// The method.
     pub method: Method,
@@ -31,6 +32,8 @@ pub struct Frame {
     /// Limit on device bytes beside cloud and image; `None` allows the device's memory minus a reserve. A dealt cloud
     /// that exceeds the limit is streamed: only the part on the device at a time counts.
     pub memory_budget: Option<u64>,
+    /// What of the image comes to the host.
+    pub outputs: Outputs,
     /// `true` if the image carries the length of each pixel's list, and its number of peeled layers.
     pub fragments: bool,
     /// `true` if the image carries median and mean depths, of methods whose images follow from sorted lists of all
@@ -89,6 +92,7 @@ impl Frame {
             method,
             detail: Detail::default(),
             memory_budget: None,
+            outputs: Outputs::default(),
             fragments: false,
             depths: false,
             stop: Stop::Exact,

@@ -22,6 +22,7 @@ mod lists;
 mod mean;
 pub mod one_layer;
 pub mod opaque;
+mod outputs;
 mod own;
 mod parts;
 pub mod peel;
@@ -53,7 +54,9 @@ pub use frame_profile::{FrameProfile, PassProfile};
 pub use linear::linear;
 pub(crate) use mean::QUARTERS;
 pub use mean::{Mean, SAMPLES};
+pub use outputs::{Colors, Outputs};
 pub use parts::{DrawnPart, SamplePart, SampleSteps};
+pub(crate) use renderer::brought;
 pub use renderer::{PointSource, Rendered, Renderer, Upload};
 pub use target::{Layer, Pixels, PixelsGroup, Target};
 

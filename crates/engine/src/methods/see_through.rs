@@ -7,7 +7,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Error, Frame, Renderer};
+use super::{Error, Frame, Outputs, Renderer};
 use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::scene::{CloudSettings, MethodChoice};
@@ -122,7 +122,8 @@ fn look(
     let mut best: Option<OpacityFactor> = None;
     for _ in 0..MAX_TRIALS {
         let Some(factor) = search.next() else { break };
-        let mut trial = Frame { fragments: false, spread: false, max_error: None, ..*frame };
+        let outputs = Outputs::default();
+        let mut trial = Frame { outputs, fragments: false, spread: false, max_error: None, ..*frame };
         trial.factors.opacity = factor as f32;
         // It changes no A.
         trial.shading.edl.edl = false;

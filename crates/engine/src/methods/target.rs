@@ -2,6 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::encode::PixelEncoder;
+use super::{Colors, Outputs};
+use crate::gpu::GpuType;
 use crate::methods::prelude::*;
 
 /// The destination of a window's pixels.
@@ -10,8 +13,11 @@ pub struct Target {
     depths: Scratch<f32>,
     image_host: Scratch<[f32; 4]>,
     depths_host: Scratch<f32>,
-    /// `true` if colors of windows are not copied to the host.
-    pub(super) keeps_colors: bool,
+    bytes: Scratch<u32>,
+    bytes_host: Scratch<u32>,
+    encoder: Option<PixelEncoder>,
+    /// The outputs of windows that are copied to the host.
+    outputs: Outputs,
 }
 
 impl Target {
@@ -21,17 +27,56 @@ impl Target {
             depths: Scratch::new("depths", Memory::Device),
             image_host: Scratch::new("image, host", Memory::Readback),
             depths_host: Scratch::new("depths, host", Memory::Readback),
-            keeps_colors: false,
+            bytes: Scratch::new("bytes", Memory::Device),
+            bytes_host: Scratch::new("bytes, host", Memory::Readback),
+            encoder: None,
+            outputs: Outputs::default(),
         }
     }
 
-    /// Room for a window.
-    pub(super) fn reserve(&mut self, device: &Device, pixels: u64) -> Result<(), Error> {
+    /// Room for a window, of which the host gets these outputs.
+    pub(super) fn reserve(&mut self, device: &Device, pixels: u64, outputs: Outputs) -> Result<(), Error> {
         self.image.reserve(device, pixels)?;
         self.depths.reserve(device, pixels)?;
-        self.image_host.reserve(device, pixels)?;
-        self.depths_host.reserve(device, pixels)?;
+        self.outputs = outputs;
+        match outputs.colors {
+            Colors::Float => self.image_host.reserve(device, pixels)?,
+            Colors::Bytes => {
+                self.bytes.reserve(device, pixels)?;
+                self.bytes_host.reserve(device, pixels)?;
+            }
+            Colors::Stay => {}
+        }
+        if outputs.depth {
+            self.depths_host.reserve(device, pixels)?;
+        }
         Ok(())
+    }
+
+    /// Makes ready to encode the colors of a frame, if their bytes come to the host.
+    pub(super) fn follow(&mut self, device: &Device, frame: &Frame) -> Result<(), Error> {
+        if self.outputs.colors == Colors::Bytes {
+            let encoder = match self.encoder.take() {
+                Some(encoder) => encoder,
+                None => PixelEncoder::new(device)?,
+            };
+            self.encoder.insert(encoder).follow(frame);
+        }
+        Ok(())
+    }
+
+    /// Brings colors to the host that would stay, since the device won't have all of them at once.
+    pub(super) fn bring_colors(&mut self, device: &Device) -> Result<(), Error> {
+        if self.leaves_colors() {
+            self.outputs.colors = Colors::Float;
+            self.image_host.reserve(device, self.image.get().len())?;
+        }
+        Ok(())
+    }
+
+    /// Returns `true` if colors of windows stay on the device.
+    pub(super) fn leaves_colors(&self) -> bool {
+        self.outputs.colors == Colors::Stay
     }
 
     /// Returns premultiplied color and A of the window's pixels.
@@ -64,17 +109,24 @@ impl Target {
         Pixels { image: self.image(), depths: self.depths() }
     }
 
-    /// Records the copy to the host, of depths alone if colors stay.
+    /// Records the copy to the host, of the outputs that are wanted there.
     pub fn record_read_back<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
-        if !self.keeps_colors {
-            let [from, to] = [&self.image, &self.image_host].map(|kept| kept.get().slice(0, pixels));
+        match (self.outputs.colors, &self.encoder) {
+            (Colors::Float, _) => {
+                let [from, to] = [&self.image, &self.image_host].map(|kept| kept.get().slice(0, pixels));
+                recorder.copy("image/read-back", from, to)?;
+            }
+            (Colors::Bytes, Some(encoder)) => {
+                let [from, to] = [&self.bytes, &self.bytes_host].map(|kept| kept.get().slice(0, pixels));
+                encoder.record(recorder, self.image.get().slice(0, pixels), from)?;
+                recorder.copy("image/read-back", from, to)?;
+            }
+            (Colors::Bytes, None) | (Colors::Stay, _) => {}
+        }
+        if self.outputs.depth {
+            let [from, to] = [&self.depths, &self.depths_host].map(|kept| kept.get().slice(0, pixels));
             recorder.copy("image/read-back", from, to)?;
         }
-        recorder.copy(
-            "image/read-back",
-            self.depths.get().slice(0, pixels),
-            self.depths_host.get().slice(0, pixels),
-        )?;
         Ok(())
     }
 
@@ -84,20 +136,35 @@ impl Target {
         (&self.image_host.get().mapped_slice()[..pixels], &self.depths_host.get().mapped_slice()[..pixels])
     }
 
-    /// Copies the window's rows into the image, of depths alone if colors stay.
+    /// Copies the window's rows into the image, as far as they came to the host.
     pub(super) fn deliver(&self, window: Window, image: &mut Image) {
-        let [x0, y0, x1, y1] = window.map(|v| v as usize);
-        let (width, pitch) = (x1 - x0, image.width as usize);
-        // On all cores: the image's memory is untouched, and the kernel clears every page on first access.
-        if !self.keeps_colors {
-            let rgba = image.rgba[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
-            let from = self.image_host.get().mapped_slice().par_chunks(width);
-            rgba.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));
+        let pitch = image.width;
+        match (self.outputs.colors, &mut image.bytes) {
+            (Colors::Float, _) => place(self.image_host.get(), window, &mut image.rgba, pitch, |color| *color),
+            (Colors::Bytes, Some(bytes)) => {
+                place(self.bytes_host.get(), window, bytes, pitch, |word| word.to_le_bytes())
+            }
+            (Colors::Bytes, None) | (Colors::Stay, _) => {}
         }
-        let depth = image.depth[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
-        let from = self.depths_host.get().mapped_slice().par_chunks(width);
-        depth.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));
+        if self.outputs.depth {
+            place(self.depths_host.get(), window, &mut image.depth, pitch, |depth| *depth);
+        }
     }
+}
+
+/// Puts the rows of a window into an image that has so many columns.
+fn place<F: GpuType + Sync, T: Send>(
+    from: &Buffer<F>,
+    window: Window,
+    image: &mut [T],
+    columns: u32,
+    of: impl Fn(&F) -> T + Sync,
+) {
+    let [x0, y0, x1, y1] = window.map(|v| v as usize);
+    let (width, pitch) = (x1 - x0, columns as usize);
+    // On all cores: the image's memory is untouched, and the kernel clears every page on first access.
+    let rows = image[y0 * pitch..y1 * pitch].par_chunks_mut(pitch).zip(from.mapped_slice().par_chunks(width));
+    rows.for_each(|(row, from)| row[x0..x1].iter_mut().zip(from).for_each(|(to, from)| *to = of(from)));
 }
 
 group! {

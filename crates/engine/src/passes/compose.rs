@@ -38,9 +38,10 @@ impl Cut {
         Ok(Self { len: (u64::from(cut.len) / stride) as u32, tilt_stride: stride as u32, ..cut })
     }
 
-    /// Returns the largest number of points of a device.
+    /// Returns the largest number of points of a device: a column of theirs is one buffer, bound as up to four parts.
     pub fn most(device: &Device) -> u64 {
-        PARTS as u64 * Self::longest(device)
+        let whole = device.limits().buffer_bytes / size_of::<Splat>() as u64;
+        (PARTS as u64 * Self::longest(device)).min(whole)
     }
 
     /// Most splats of a part.

@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 use pellucid_engine::passes::scan::{self, Scan, ScanPush};
-use pellucid_gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
+use pellucid_gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Preferences, Run, devices};
 use pellucid_scene::{Discs, Method};
 use pellucid_testing::{
-    P, alone, at_pixel, frame, pixel_camera, render, scene, with_device, with_new_device, with_only_device,
+    P, alone, at_pixel, frame, pixel_camera, render, scene, with_device, with_device_of, with_new_device,
+    with_only_device,
 };
 
 /// Uploads, reads all and a part.
@@ -63,7 +64,7 @@ fn fills_and_copies_keep_to_their_ranges() {
 #[test]
 fn buffers_beyond_every_limit_are_clean_errors() {
     with_only_device(|device| {
-        let limit = device.limits().allocation_bytes;
+        let limit = device.limits().buffer_bytes;
         for len in [u64::MAX, u64::MAX / 4, limit / 4 + 1] {
             for memory in [Memory::Device, Memory::Upload, Memory::Readback] {
                 match device.buffer::<u32>("absurd", len, memory).map(drop) {
@@ -90,6 +91,32 @@ fn buffers_beyond_every_limit_are_clean_errors() {
         drop(held);
         assert_round_trip(device, &[1u32, 2, 3]);
     });
+}
+
+#[test]
+fn allocations_larger_than_promised_are_tried_on_devices_of_that_kind_alone() {
+    for prefers in [Preferences::CPU, Preferences::GPU] {
+        let (allocation_bytes, prefers) = (Some(1 << 20), Some(prefers));
+        with_device_of(&DeviceOptions { allocation_bytes, prefers, ..DeviceOptions::validated() }, |device| {
+            let is_tried = device.info().prefers.large_allocations;
+            let limits = *device.limits();
+            assert_eq!(limits.allocation_bytes, 1 << 20);
+            assert_eq!(limits.buffer_bytes == 1 << 20, !is_tried);
+            device.buffer::<u32>("promised", 1 << 18, Memory::Device).expect("as large as is promised");
+            match device.buffer::<u32>("larger", 1 << 19, Memory::Device) {
+                Ok(buffer) => {
+                    let numbers: Vec<u32> = (0..1 << 19).collect();
+                    buffer.upload(&numbers).expect("uploaded");
+                    assert!(is_tried && buffer.read(0, 1 << 19).expect("readable") == numbers);
+                }
+                Err(Error::TooLarge { bytes, limit, limit_name, .. }) => {
+                    assert_eq!((is_tried, bytes, limit), (false, 1 << 21, 1 << 20));
+                    assert_eq!(limit_name, "maxMemoryAllocationSize");
+                }
+                Err(other) => panic!("{other}"),
+            }
+        });
+    }
 }
 
 #[test]

@@ -2,11 +2,15 @@
 //! the one of float64 however near its border lies. Colors and depths against the reference:
 //! `crates/engine/tests/gpu/splat.rs`.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
 use pellucid_engine::methods::{Frame, Renderer};
-use pellucid_gpu::Device;
+use pellucid_engine::passes::compose::Cut;
+use pellucid_gpu::{Device, DeviceOptions, Preferences};
+use pellucid_scene::prepare::Arranged;
 use pellucid_scene::{ColorSpace, Light, Method, Raster, ScreenSplats, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -54,6 +58,29 @@ fn points_equal_splats_of_radius_0_however_shaded() {
             }
         }
     });
+}
+
+#[test]
+fn columns_beyond_one_allocation_draw_the_same_bytes() {
+    // 1 MiB holds 65 536 points of 16 bytes: more are in one buffer where larger ones are tried, else they come window
+    // by window.
+    let points = Arc::new(scene(&soup(23, 90_000, 0.0..0.1, 0.1..0.9, true)));
+    let frame = frame(perspective(), [200, 150], Method::Points);
+    let mut images = Vec::new();
+    with_device(|device| images.push(bits(&render(device, &points, &frame))));
+    for prefers in [Preferences::CPU, Preferences::GPU] {
+        let (allocation_bytes, prefers) = (Some(1 << 20), Some(prefers));
+        with_device_of(&DeviceOptions { allocation_bytes, prefers, ..DeviceOptions::validated() }, |device| {
+            let is_whole = device.info().prefers.large_allocations;
+            assert_eq!(Cut::most(device) == 65_536, !is_whole);
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            assert_eq!(renderer.upload(&*points).is_ok(), is_whole);
+            let mut cloud = renderer.upload(&Arranged::Canonical(points.clone())).expect("fits");
+            assert_eq!(cloud.supply().is_none(), is_whole);
+            images.push(bits(&renderer.render(&mut cloud, &frame).expect("renders").image));
+        });
+    }
+    assert!(images.windows(2).all(|pair| pair[0] == pair[1]));
 }
 
 #[test]

@@ -82,6 +82,9 @@ pub enum Error {
         path = path.display()
     )]
     Foreign { path: PathBuf, count: usize },
+    /// The image's colors came as those of an opaque PNG, which this file isn't.
+    #[error("{path}: only the colors of an opaque PNG were asked of this picture", path = .0.display())]
+    OnlyBytes(PathBuf),
     /// An output would replace an input.
     #[error("{output}: this would replace the input {input}; give the output another name", input = input.display())]
     Input { output: String, input: PathBuf },
@@ -203,7 +206,8 @@ fn check_bytes(path: &Path, size: [u32; 2], each: u64) -> Result<(), Error> {
 ///
 /// # Errors
 /// Returns the errors of [`check_target`], an error for a path that is one of the image's inputs, and errors of the
-/// system while writing; the earlier file then remains.
+/// system while writing; the earlier file then remains. [`Error::OnlyBytes`] for an image that is good for an opaque PNG
+/// alone.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = check_image(path, image, options)?;
     write_atomically(path, |file| match format {
@@ -215,8 +219,8 @@ pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result
 /// Refuses an image that can't be written, or for which memory lacks room meanwhile: call it before [`raster`].
 ///
 /// # Errors
-/// Returns [`Error::NoMemory`], and an error for a path that is one of the image's inputs or has another extension than
-/// `.png` and `.exr`.
+/// Returns [`Error::NoMemory`] and [`Error::OnlyBytes`], and an error for a path that is one of the image's inputs or
+/// has another extension than `.png` and `.exr`.
 pub fn check_writing(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     check_image(path, image, options).map(drop)
 }
@@ -224,6 +228,9 @@ pub fn check_writing(path: &Path, image: &Image, options: &WriteOptions) -> Resu
 fn check_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<Format, Error> {
     let format = Format::from_extension(path)?;
     options.inputs.refuse(path)?;
+    if image.bytes.is_some() && (format == Format::Exr || options.transparent) {
+        return Err(Error::OnlyBytes(path.to_owned()));
+    }
     let of = |is_there: bool, channels| if is_there { channels } else { 0 };
     let more = of(image.depth_median.is_some(), 1)
         + of(image.depth_mean.is_some(), 1)

@@ -8,13 +8,16 @@ use pellucid_core::color::encode_srgb;
 use pellucid_core::image::Image;
 
 /// Returns the pixels that [`write_image`](super::write_image) writes into a PNG, for those who draw onto them first:
-/// the image composed over the background, or with straight alpha if it is to stay transparent.
+/// the image composed over the background, or with straight alpha if it is to stay transparent. Bytes that came with the
+/// image are taken as they are.
 pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
     let encoded = |value: f32| match options.color {
         ColorSpace::Linear => encode_srgb(value),
         ColorSpace::Encoded => value,
     };
-    let bytes: Vec<u8> = if options.transparent {
+    let bytes: Vec<u8> = if let Some(bytes) = &image.bytes {
+        bytes.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
+    } else if options.transparent {
         let pixels = image.rgba.iter().map(|&[r, g, b, a]| straight([r, g, b], a, encoded));
         pixels.flatten().collect()
     } else {
@@ -25,7 +28,7 @@ pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
             .map(|value| to_byte(encoded(*value)))
             .collect()
     };
-    Raster { size: [image.width, image.height], alpha: options.transparent, bytes }
+    Raster { size: [image.width, image.height], alpha: options.transparent && image.bytes.is_none(), bytes }
 }
 
 /// Straight color and alpha of a premultiplied pixel; nothing at all where nothing was drawn.

@@ -182,6 +182,23 @@ fn the_same_image_gives_the_same_bytes() {
 }
 
 #[test]
+fn bytes_that_came_with_an_image_are_those_of_an_opaque_png_and_of_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
+    let bytes = Some(vec![[1, 2, 3, 0], [4, 5, 255, 3]]);
+    let image = Image { width: 2, height: 1, bytes, ..Image::default() };
+    write_image(&path, &image, &options()).unwrap();
+    let (kind, pixels, _) = png_pixels(&path);
+    assert_eq!((kind, pixels), (png::ColorType::Rgb, vec![1, 2, 3, 4, 5, 255]));
+    let transparent = WriteOptions { transparent: true, ..options() };
+    for (path, options) in [(&exr, options()), (&path, transparent)] {
+        let refused = write_image(path, &image, &options);
+        assert!(matches!(&refused, Err(Error::OnlyBytes(named)) if named == path), "{refused:?}");
+    }
+    assert!(!exr.exists());
+}
+
+#[test]
 fn both_formats_are_read_back_as_linear_values() {
     let folder = tempfile::tempdir().unwrap();
     let (a, b) = (folder.path().join("a.png"), folder.path().join("a.exr"));

@@ -80,6 +80,7 @@ mod tests {
             width: 5,
             height: 3,
             rgba: (0..15).map(|i| [value(i), value(i + 1), -0.0, f32::NAN]).collect(),
+            bytes: None,
             depth: (0..15).map(|i| if i == 3 { f32::INFINITY } else { value(i) }).collect(),
             depth_median: None,
             depth_mean: Some((0..15).map(value).collect()),

@@ -2,7 +2,7 @@
 
 use pellucid_core::image::{Image, LinearImage};
 use pellucid_engine::Result;
-use pellucid_engine::methods::{self, Rendered, brightness};
+use pellucid_engine::methods::{self, Outputs, Rendered, brightness};
 use pellucid_gpu::MemoryBudget;
 use pellucid_scene::{ImageSettings, Samples};
 
@@ -50,13 +50,14 @@ impl Session {
         Ok(Some(rendered))
     }
 
-    /// Renders the first frame of a decision, which settles the number of samples if that is to be found.
+    /// Renders the first frame of a decision, which settles the number of samples if that is to be found. Of the image
+    /// the caller needs these outputs.
     ///
     /// # Errors
     /// Returns the errors of [`Self::render`].
-    pub fn first(&mut self, messages: &dyn Messages) -> Result<Rendered> {
+    pub fn first(&mut self, outputs: Outputs, messages: &dyn Messages) -> Result<Rendered> {
         let (before, free) = (self.device.reset_peak(), self.device.memory_budget().map(MemoryBudget::free));
-        let rendered = self.settle(messages)?.map_or_else(|| self.render(), Ok)?;
+        let rendered = self.settle(messages)?.map_or_else(|| self.render_for(outputs), Ok)?;
         let taken = rendered.facts.peak_device_bytes.saturating_sub(before);
         let warning = free.and_then(|free| notes::beyond_memory(taken, free));
         warning.iter().for_each(|warning| self.told.to(messages).warn(warning));

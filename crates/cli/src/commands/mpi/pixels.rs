@@ -96,6 +96,7 @@ mod tests {
             width: 3,
             height: 4,
             rgba: values(1.0).iter().map(|v| [*v; 4]).collect(),
+            bytes: None,
             depth: values(2.0),
             depth_median: None,
             depth_mean: Some(values(3.0)),

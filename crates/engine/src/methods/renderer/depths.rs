@@ -43,7 +43,7 @@ impl Renderer {
         }
         let frame = Frame { fragments: false, ..*frame };
         let windows = self.windows(&engine, &frame, budget)?;
-        self.target.reserve(&self.device, largest(&windows))?;
+        self.make_target(largest(&windows), &frame)?;
         let mut image = blank(None, &engine, &frame);
         let drawn = self.draw(cloud, &Job::new(&engine, &frame, budget), &windows, &mut image, timeline);
         self.disown_colors();

@@ -18,7 +18,7 @@ use super::bytes::aggregate;
 use super::edl::{self, EyeDomeLighting};
 use super::engine::{Fragments, Switches};
 use super::mean::{self, Mean};
-use super::{FrameProfile, shadows, spbr, stochastic};
+use super::{Colors, FrameProfile, Outputs, shadows, spbr, stochastic};
 use crate::cloud::shadow_texture::Casting;
 use crate::io::has_memory;
 use crate::methods::prelude::*;
@@ -64,9 +64,6 @@ pub struct Renderer {
     /// `true` if [`Facts::tile_histogram`] is wanted: the counters of each window's tiles then come to the host, in
     /// submissions of their own.
     pub notes_tiles: bool,
-    /// `false` if nobody needs colors on the host. If the device has the colors of the whole image at once, they stay
-    /// there ([`Self::colors`]), and [`Image::rgba`] is empty.
-    pub host_colors: bool,
     /// The pixels that are rendered; `None` means all. Pixels outside are arbitrary in the image. Pixels inside are as
     /// in the whole image, without eye-dome lighting, which follows from all depths ([`Self::apply_edl`]).
     pub region: Option<Window>,
@@ -91,7 +88,6 @@ impl Renderer {
             progress: Progress::hidden(),
             timed: true,
             notes_tiles: false,
-            host_colors: true,
             region: None,
             switches: Switches::of(device.info()),
         })
@@ -241,7 +237,7 @@ impl Renderer {
                 self.draw(cloud, &job, &begun.windows, &mut image, timeline)?
             }
         };
-        if self.target.keeps_colors {
+        if self.target.leaves_colors() {
             image.rgba = Vec::new();
         }
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
@@ -286,34 +282,38 @@ impl Renderer {
         let each = Budget { bytes: budget.bytes / parts, tiles: budget.tiles, binding: budget.binding / parts };
         let windows = if survey { engine.windows(frame, budget)? } else { self.windows(engine, frame, each)? };
         if !survey || engine.renders_to_survey() {
-            self.target.reserve(&self.device, parts * largest(&windows))?;
+            self.make_target(parts * largest(&windows), frame)?;
         }
         Ok(Begun { waits, lights, budget, shading, windows })
     }
 
-    /// Returns an image to draw into, and decides if its colors come to the host.
+    /// Makes room for windows of so many pixels, of which the host gets the outputs of a frame.
+    fn make_target(&mut self, pixels: u64, frame: &Frame) -> Result<(), Error> {
+        self.target.reserve(&self.device, pixels, brought(frame))?;
+        self.target.follow(&self.device, frame)
+    }
+
+    /// Returns an image to draw into.
     fn begin_image(&mut self, engine: &dyn Engine, frame: &Frame) -> Result<Image, Error> {
         // Buffers of a driver for CPUs have taken some of the host's memory meanwhile.
         self.check_memory(engine, frame)?;
-        self.target.keeps_colors = !self.host_colors
-            && !frame.is_mean()
-            && !frame.shading.edl.edl
-            && !frame.depths
-            && !brightness::is_applied(&frame.method);
         Ok(blank(self.spare.take(), engine, frame))
     }
 
     /// Refuses an image that the host's memory can't hold.
     fn check_memory(&self, engine: &dyn Engine, frame: &Frame) -> Result<(), Error> {
         let [width, height] = frame.size;
-        if self.spare.as_ref().is_some_and(|spare| (spare.width, spare.height) == (width, height)) {
+        let outputs = brought(frame);
+        let is_room = |spare: &Image| spare.has_colors() || outputs.colors != Colors::Float;
+        if self.spare.as_ref().is_some_and(|spare| (spare.width, spare.height) == (width, height) && is_room(spare)) {
             return Ok(());
         }
         let channels = engine.channels();
         let is_counted = frame.fragments && channels.fragments != Fragments::Never;
         let has_spread = engine.samples(frame).is_some() && frame.wants_spread();
-        // Color, A and Z; then the counts, the errors and the other depths.
-        let words = 5
+        // Colors that stay may come after all. Then Z, the counts, the errors and the other depths.
+        let words = if outputs.colors == Colors::Bytes { 1 } else { 4 }
+            + u64::from(outputs.depth)
             + u64::from(is_counted)
             + u64::from(frame.fragments && channels.layers)
             + if has_spread { 3 } else { 0 }
@@ -508,11 +508,23 @@ fn blank(spare: Option<Image>, engine: &dyn Engine, frame: &Frame) -> Image {
     let fragments = (frame.fragments && channels.fragments != Fragments::Never).then(|| vec![0; pixels]);
     let layers = (frame.fragments && channels.layers).then(|| vec![0; pixels]);
     let stderr = (engine.samples(frame).is_some() && frame.wants_spread()).then(|| vec![[0.0; 3]; pixels]);
-    let (rgba, depth) = match spare {
-        Some(image) if image.has_colors() && (image.width, image.height) == (width, height) => {
-            (image.rgba, image.depth)
-        }
-        _ => (vec![[0.0; 4]; pixels], vec![0.0; pixels]),
-    };
-    Image { width, height, rgba, depth, depth_median: None, depth_mean: None, samples: 1, fragments, layers, stderr }
+    let outputs = brought(frame);
+    let is_bytes = outputs.colors == Colors::Bytes;
+    let spare = spare.unwrap_or_default();
+    let rgba = room(spare.rgba, if is_bytes { 0 } else { pixels });
+    let bytes = is_bytes.then(|| room(spare.bytes.unwrap_or_default(), pixels));
+    let depth = room(spare.depth, if outputs.depth { pixels } else { 0 });
+    Image { width, height, rgba, bytes, depth, samples: 1, fragments, layers, stderr, ..Image::default() }
+}
+
+/// Returns so many elements of any value, in the memory of spare ones if those are as many.
+fn room<T: bytemuck::Zeroable + Clone>(spare: Vec<T>, len: usize) -> Vec<T> {
+    if spare.len() == len { spare } else { bytemuck::zeroed_vec(len) }
+}
+
+/// Returns the outputs of a frame that come to the host: those that are wanted, or all where the host goes on with
+/// them.
+pub(crate) fn brought(frame: &Frame) -> Outputs {
+    let by_host = frame.is_mean() || frame.shading.edl.edl || frame.depths || brightness::is_applied(&frame.method);
+    if by_host { Outputs::default() } else { frame.outputs }
 }

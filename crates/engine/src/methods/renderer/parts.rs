@@ -89,10 +89,12 @@ impl Renderer {
         let waits = self.device.waits();
         let (budget, shading) = edl::divided(self.budget(engine, cloud, frame), frame);
         let windows = self.windows(engine, frame, budget)?;
-        self.target.reserve(&self.device, largest(&windows))?;
+        self.make_target(largest(&windows), frame)?;
         let begun = Begun { waits, lights: (0, 0), budget, shading, windows };
         let mut image = self.begin_image(engine, frame)?;
-        self.target.keeps_colors &= begun.windows.iter().all(|window| is_whole(*window, frame));
+        if !begun.windows.iter().all(|window| is_whole(*window, frame)) {
+            self.target.bring_colors(&self.device)?;
+        }
         let mut facts = self.begin_windows(cloud, &[*frame]);
         // Lengths of lists came with the parts.
         let of_window = Frame { fragments: false, ..spreading(frame) };
@@ -102,7 +104,7 @@ impl Renderer {
             engine.resolve(cloud, buffers, &mut work, parts)?;
             self.deliver(engine, &of_window, window, &mut image)?;
         }
-        if self.target.keeps_colors {
+        if self.target.leaves_colors() {
             image.rgba = Vec::new();
         }
         image.fragments = parts.all(Plane::Lengths).map(<[u32]>::to_vec);

@@ -105,7 +105,9 @@ impl Renderer {
         facts.images += job.images.len() as u64;
         let mut left: Vec<Window> = windows.iter().rev().copied().collect();
         while let Some(window) = left.pop() {
-            self.target.keeps_colors &= is_whole(window, job.frame);
+            if !job.survey && !is_whole(window, job.frame) {
+                self.target.bring_colors(&self.device)?;
+            }
             let found = Cell::default();
             let several = (job.images.len() > 1 && self.switches.together).then_some(&found);
             for (number, frame) in job.images.iter().enumerate() {
