@@ -1,6 +1,7 @@
 // image/encode: pixels over a background as bytes, those of the PNG, in some rows of a picture, and the cover of each
-// pixel if it is asked for. One invocation per pixel of the picture. A coarser image is enlarged by bilinear interpolation: the centers of both coincide, and a row
-// of the picture is `scale` rows of the image. Reference: output::to_byte.
+// pixel if it is asked for. One invocation per pixel of the picture. A coarser image is enlarged by bilinear
+// interpolation: the centers of both coincide, and a row of the picture is `scale` rows of the image.
+// Reference: output::to_byte.
 #import dispatch
 
 #push

@@ -32,7 +32,7 @@ pub struct Frame {
     /// Limit on device bytes beside cloud and image; `None` allows the device's memory minus a reserve. A dealt cloud
     /// that exceeds the limit is streamed: only the part on the device at a time counts.
     pub memory_budget: Option<u64>,
-    /// What of the image comes to the host.
+    /// Parts of the image that come to the host.
     pub outputs: Outputs,
     /// `true` if the image carries the length of each pixel's list, and its number of peeled layers.
     pub fragments: bool,

@@ -206,8 +206,8 @@ fn check_bytes(path: &Path, size: [u32; 2], each: u64) -> Result<(), Error> {
 ///
 /// # Errors
 /// Returns the errors of [`check_target`], an error for a path that is one of the image's inputs, and errors of the
-/// system while writing; the earlier file then remains. [`Error::OnlyBytes`] for an image that is good for an opaque PNG
-/// alone.
+/// system while writing; the earlier file then remains. [`Error::OnlyBytes`] for an image that is good for an opaque
+/// PNG alone.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = check_image(path, image, options)?;
     write_atomically(path, |file| match format {

@@ -8,8 +8,8 @@ use pellucid_core::color::encode_srgb;
 use pellucid_core::image::Image;
 
 /// Returns the pixels that [`write_image`](super::write_image) writes into a PNG, for those who draw onto them first:
-/// the image composed over the background, or with straight alpha if it is to stay transparent. Bytes that came with the
-/// image are taken as they are.
+/// the image composed over the background, or with straight alpha if it is to stay transparent. Bytes that came with
+/// the image are taken as they are.
 pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
     let encoded = |value: f32| match options.color {
         ColorSpace::Linear => encode_srgb(value),
