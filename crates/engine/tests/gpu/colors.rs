@@ -1,5 +1,5 @@
-//! Colors on their way to the host: those that stay on the device, or come as the bytes of a PNG, are those that come as
-//! floats. They come so where the host goes on with them.
+//! Colors on their way to the host: those that stay on the device, or come as the bytes of a PNG, are those that come
+//! as floats. They come so where the host goes on with them.
 
 use glam::Vec3;
 use pellucid_core::image::{Cover, Image};
