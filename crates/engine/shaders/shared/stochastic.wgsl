@@ -11,9 +11,3 @@ struct SampleRanks {
     keys: array<vec4<u32>, STRATA>,
     indices: array<vec4<u32>, STRATA>,
 }
-
-fn farthest_of(ranks: SampleRanks) -> u32 {
-    var most = vec4<u32>(0u);
-#each stratum     most = max(most, ranks.keys[{stratum}u]);
-    return max(max(most.x, most.y), max(most.z, most.w));
-}

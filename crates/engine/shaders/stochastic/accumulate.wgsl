@@ -26,8 +26,6 @@ struct Sums {
 
 var<private> held: SampleRanks;
 var<private> sum: Sums;
-// The farthest key that a sample holds: no fragment behind it is visible.
-var<private> farthest: u32;
 
 // Samples of a stratum in which a fragment is visible: nothing nearer is held there.
 fn visible_in(s: u32, fragment: Fragment) -> u32 {
@@ -93,13 +91,10 @@ fn nearest() -> f32 {
 
 fn begin(pixel: vec2<u32>) {
     load(pixel);
-    farthest = farthest_of(held);
 }
 
 fn visit(pixel: vec2<u32>, fragment: Fragment) {
-    if EXACT != 0u || subgroupAny(fragment.color.a > 0.0 && fragment.depth_key <= farthest) {
-        add(fragment);
-    }
+    add(fragment);
 }
 
 fn finish(pixel: vec2<u32>) {

@@ -11,8 +11,6 @@
 @group(0) @binding(22) var<storage, read> ids: array<u32>;
 
 var<private> held: SampleRanks;
-// The farthest key that a sample holds: only nearer fragments change anything.
-var<private> farthest: u32;
 
 fn hold(s: u32, mask: u32, fragment: Fragment) {
     let covered = (vec4<u32>(mask) & vec4<u32>(1u, 2u, 4u, 8u)) != vec4<u32>(0u);
@@ -41,19 +39,13 @@ fn store(pixel: vec2<u32>) {
 
 fn begin(pixel: vec2<u32>) {
     load(pixel);
-    farthest = farthest_of(held);
 }
 
 fn visit(pixel: vec2<u32>, fragment: Fragment) {
-    // Random words cost more than all the rest.
-    if !subgroupAny(fragment.color.a > 0.0 && fragment.depth_key < farthest) {
-        return;
-    }
     let id = ids[fragment.index];
 #each pair     let words{pair} = words_of(pixel, id, vec2<u32>(push.key_low, push.key_high + {pair}u));
 #each pair     hold(2u * {pair}u, mask_of(fragment.color.a, words{pair}.x), fragment);
 #each pair     hold(2u * {pair}u + 1u, mask_of(fragment.color.a, words{pair}.y), fragment);
-    farthest = farthest_of(held);
 }
 
 fn finish(pixel: vec2<u32>) {
