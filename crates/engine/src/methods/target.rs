@@ -142,7 +142,7 @@ impl Target {
         match (self.outputs.colors, &mut image.bytes) {
             (Colors::Float, _) => place(self.image_host.get(), window, &mut image.rgba, pitch, |color| *color),
             (Colors::Bytes, Some(bytes)) => {
-                place(self.bytes_host.get(), window, bytes, pitch, |word| word.to_le_bytes())
+                place(self.bytes_host.get(), window, bytes, pitch, |word| word.to_le_bytes());
             }
             (Colors::Bytes, None) | (Colors::Stay, _) => {}
         }
