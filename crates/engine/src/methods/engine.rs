@@ -279,7 +279,7 @@ impl Work<'_> {
         project(self.device, cloud, (self.frame, self.window), how, self.timeline)
     }
 
-    /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window
+    /// Makes room for the pairs of large splats and tiles, if `needed`; the budget beside them, or `None` if the window
     /// must be cut.
     pub fn reserve_tiles(&self, tiles: &mut Tiles, stats: &[Stats], needed: bool) -> Result<Option<Budget>, Error> {
         let bytes = if needed { Tiles::bytes(stats) } else { 0 };

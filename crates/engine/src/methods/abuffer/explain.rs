@@ -62,7 +62,7 @@ pub(crate) fn lists(plan: &mut FramePlan<'_>, discs: &Discs, linked: bool) {
     if facts.gaussians > 0 && discs.gaussians.kernel == Kernel::Ellipsoid {
         return ellipsoids(plan, discs.long_lists, linked);
     }
-    // Windows whose splats are sorted need no tiles of large splats, and no sort of fragments.
+    // Windows whose splats are sorted need no pairs of large splats and tiles, and no sort of fragments.
     let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
     let mut counters = 0;
     if ordered {
