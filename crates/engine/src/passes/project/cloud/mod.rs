@@ -98,7 +98,7 @@ pub struct DeviceCloud {
     pub splats: Buffer<Splat>,
     /// Depths of the splats.
     pub splat_depths: Buffer<f32>,
-    /// Tilts of the splats; a single element unless the cloud has normals, or had to be exact.
+    /// Tilts of the splats; a single element unless a footprint that was drawn has some.
     pub tilts: Buffer<Tilt>,
     /// Rectangles of the splats.
     pub bounds: Buffer<Bounds>,
@@ -143,7 +143,8 @@ impl DeviceCloud {
         let len = self.len;
         if self.splats.len() < len {
             self.splat_depths = device.buffer("splat depths", len, Memory::Device)?;
-            self.tilts = device.buffer("tilts", if self.has_normals { len } else { 1 }, Memory::Device)?;
+            // Few footprints have some.
+            self.tilts = device.buffer("tilts", 1, Memory::Device)?;
             self.bounds = device.buffer("splat bounds", len, Memory::Device)?;
             self.colors = device.buffer("splat colors", len, Memory::Device)?;
             self.large = device.buffer("large splats", len, Memory::Device)?;

@@ -130,7 +130,7 @@ impl DeviceCloud {
     pub fn point_bytes(&self, footprint: Footprint) -> u64 {
         let columns = self.columns().len() as u64 * COLUMN_BYTES + 4 + if self.has_fields { 8 } else { 0 };
         let footprint = if self.has_gaussians() { Footprint::Gaussian } else { footprint };
-        let tilts = footprint.tilt_stride().max(u64::from(self.has_normals)) * size_of::<Tilt>() as u64;
+        let tilts = footprint.tilt_stride() * size_of::<Tilt>() as u64;
         let columns = columns + self.gaussians.as_ref().map_or(0, GaussianColumns::bytes_each);
         // Depth, color, place among the large ones and number of their tiles.
         columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
