@@ -55,9 +55,13 @@ fn parse(text: &str) -> Result<Vec<Exception<'_>>, String> {
 }
 
 /// A line for each pipeline that is beyond the budget, and for each exception that nothing needs.
-pub fn beyond(recorded: &[Recorded], shapes: &[Shape]) -> Result<Vec<String>, String> {
-    let labels: Vec<&str> = recorded.iter().map(|recorded| recorded.label.as_str()).collect();
-    Ok(compared(&parse(EXCEPTIONS)?, &labels, shapes))
+pub fn beyond(recorded: &[Recorded], shapes: &[Option<Shape>]) -> Result<Vec<String>, String> {
+    let all = || recorded.iter().map(|recorded| recorded.label.as_str()).zip(shapes);
+    let crashed = all().filter(|(_, shape)| shape.is_none());
+    let mut lines: Vec<String> = crashed.map(|(label, _)| format!("{label}: the driver crashes: its fault")).collect();
+    let (labels, shapes): (Vec<_>, Vec<_>) = all().filter_map(|(label, shape)| Some((label, (*shape)?))).unzip();
+    lines.extend(compared(&parse(EXCEPTIONS)?, &labels, &shapes));
+    Ok(lines)
 }
 
 fn compared(exceptions: &[Exception<'_>], labels: &[&str], shapes: &[Shape]) -> Vec<String> {

@@ -48,7 +48,8 @@ pub enum Lanes {
 pub struct Shapes {
     /// Name and version of device and driver.
     pub device: String,
-    pub pipelines: Vec<Shape>,
+    /// `None` for a pipeline whose compilation ended the process: the driver's fault.
+    pub pipelines: Vec<Option<Shape>>,
 }
 
 /// Waves that a SIMD can hold, whatever they need. Mesa 22.3 states more.
@@ -78,18 +79,49 @@ pub struct Shape {
     pub compile_ms: f64,
 }
 
-/// Compiles the pipelines for `family`.
+/// Compiles the pipelines for `family`. Where the driver crashes, the others have their shapes all the same.
 pub fn on(driver: &Driver, family: &str, lanes: Lanes, recorded: &[Recorded]) -> Result<Shapes, String> {
-    let failed = |what: String| format!("{family}: {what}");
     if !driver.manifest.is_file() {
         let hint = "install mesa-vulkan-drivers, or name RADV's manifest with --driver";
         return Err(format!("{}: no such file; {hint}", driver.manifest.display()));
     }
-    let folder = tempfile::tempdir().map_err(|e| failed(format!("a folder for the list: {e}")))?;
+    let compile = |some: &[Recorded]| {
+        eprintln!("compiling {} pipelines for {family}", some.len());
+        in_child(driver, family, lanes, some).map_err(|what| format!("{family}: {what}"))
+    };
+    // With nothing to compile, a process that crashes says that the driver doesn't know the GPU.
+    let opened = compile(&[])?.ok_or_else(|| format!("{family}: the driver crashes before it compiles anything"))?;
+    let mut pipelines = Vec::new();
+    halved(recorded, &mut |some| Ok(compile(some)?.map(|shapes| shapes.pipelines)), &mut pipelines)?;
+    Ok(Shapes { device: opened.device, pipelines })
+}
+
+/// Appends the outcomes of `compile` to `found`. A list that crashes it (`None`) is compiled again by halves, down to
+/// the items that crash it alone.
+fn halved<T, S>(
+    list: &[T],
+    compile: &mut impl FnMut(&[T]) -> Result<Option<Vec<Option<S>>>, String>,
+    found: &mut Vec<Option<S>>,
+) -> Result<(), String> {
+    match (compile(list)?, list) {
+        (Some(shapes), _) => found.extend(shapes),
+        (None, [] | [_]) => found.extend(list.iter().map(|_| None)),
+        (None, _) => {
+            let (before, behind) = list.split_at(list.len() / 2);
+            halved(before, compile, found)?;
+            halved(behind, compile, found)?;
+        }
+    }
+    Ok(())
+}
+
+/// Compiles the pipelines in a process of their own; `None` if a signal ended it.
+fn in_child(driver: &Driver, family: &str, lanes: Lanes, recorded: &[Recorded]) -> Result<Option<Shapes>, String> {
+    let folder = tempfile::tempdir().map_err(|e| format!("a folder for the list: {e}"))?;
     let list = folder.path().join("pipelines.json");
-    let text = serde_json::to_string(recorded).map_err(|e| failed(e.to_string()))?;
-    std::fs::write(&list, text).map_err(|e| failed(e.to_string()))?;
-    let program = std::env::current_exe().map_err(|e| failed(format!("this program's path: {e}")))?;
+    let text = serde_json::to_string(recorded).map_err(|e| e.to_string())?;
+    std::fs::write(&list, text).map_err(|e| e.to_string())?;
+    let program = std::env::current_exe().map_err(|e| format!("this program's path: {e}"))?;
     let mut command = Command::new(program);
     command.arg("--compile").arg(&list).stdout(Stdio::piped());
     // The older variable would win in old loaders.
@@ -98,7 +130,6 @@ pub fn on(driver: &Driver, family: &str, lanes: Lanes, recorded: &[Recorded]) ->
     command.env("PELLUCID_CHECKS", "0");
     // So that everything is compiled, and its time measured.
     command.env("MESA_SHADER_CACHE_DISABLE", "true");
-    eprintln!("compiling {} pipelines for {family}", recorded.len());
     command.env("RADV_FORCE_FAMILY", family);
     match lanes {
         Lanes::ThirtyTwo => command.env("RADV_PERFTEST", "cswave32,pswave32"),
@@ -108,11 +139,12 @@ pub fn on(driver: &Driver, family: &str, lanes: Lanes, recorded: &[Recorded]) ->
         Some(libraries) => command.env("LD_LIBRARY_PATH", libraries),
         None => command.env_remove("LD_LIBRARY_PATH"),
     };
-    let output = command.spawn().and_then(std::process::Child::wait_with_output).map_err(|e| failed(e.to_string()))?;
-    if !output.status.success() {
-        return Err(failed(format!("its process ended with {}", output.status)));
+    let output = command.spawn().and_then(std::process::Child::wait_with_output).map_err(|e| e.to_string())?;
+    match output.status.code() {
+        Some(0) => serde_json::from_slice(&output.stdout).map(Some).map_err(|e| format!("its answer: {e}")),
+        Some(_) => Err(format!("its process ended with {}", output.status)),
+        None => Ok(None),
     }
-    serde_json::from_slice(&output.stdout).map_err(|e| failed(format!("its answer: {e}")))
 }
 
 /// Compiles a list's pipelines on the only device there is, and prints what became of them.
@@ -129,7 +161,7 @@ pub fn child(list: &Path) -> Result<(), String> {
         .map(|recorded| {
             let (shader, variant, outputs) = recorded.rebuilt(&shaders, lanes);
             let compiled = shader.compiled(&device, &variant, outputs);
-            compiled.map(|compiled| shape(&compiled)).map_err(|e| format!("{}: {e}", recorded.label))
+            compiled.map(|compiled| Some(shape(&compiled))).map_err(|e| format!("{}: {e}", recorded.label))
         })
         .collect::<Result<Vec<_>, String>>()?;
     let shapes = Shapes { device: format!("{}, {}", info.name, info.driver), pipelines };
@@ -170,6 +202,23 @@ fn shape(compiled: &Compiled) -> Shape {
 mod tests {
     use super::*;
     use pellucid_gpu::Executable;
+
+    #[test]
+    fn of_a_list_that_crashes_only_those_that_crash_alone_have_no_shape() {
+        let mut lists = 0;
+        let mut compile = |some: &[u32]| {
+            lists += 1;
+            let crashes = some.iter().any(|n| [3, 6].contains(n));
+            Ok((!crashes).then(|| some.iter().map(|n| Some(n * 10)).collect()))
+        };
+        let mut found = Vec::new();
+        halved(&[0, 1, 2, 3, 4, 5, 6, 7], &mut compile, &mut found).expect("no list is refused");
+        assert_eq!(found, [Some(0), Some(10), Some(20), None, Some(40), Some(50), None, Some(70)]);
+        // All; of each half, a good quarter and a bad one, which has two items.
+        assert_eq!(lists, 1 + 2 * (1 + 2 + 2));
+        let refused = halved(&[1, 2], &mut |_| Err("unknown".into()), &mut Vec::<Option<u32>>::new());
+        assert_eq!(refused, Err("unknown".to_owned()));
+    }
 
     #[test]
     fn a_shape_is_the_worst_of_the_stages() {

@@ -10,6 +10,8 @@ use crate::record::{Recorded, Recording};
 use crate::table;
 
 const HEAD: &str = include_str!("page.md");
+/// What one version changed, by figures of two versions of this page.
+const CHANGES: &str = include_str!("changes.md");
 /// Estimates below this, in microseconds on the first of the GPUs, share a line.
 const SMALL_US: f64 = 50.0;
 
@@ -21,8 +23,17 @@ pub fn text(driver: &Driver, recorded: &[Recorded], frames: &[Recording]) -> Res
     let _ =
         writeln!(text, "{}\n\n{}", summary(&narrow), table::markdown(&table::by_label(recorded, &narrow.pipelines)));
     let _ = writeln!(text, "## Waves of 64\n\n{}", widened(recorded, &narrow, &wide));
-    let gpus = GPUS.iter().map(|gpu| Ok((gpu, of_gpu(driver, gpu, recorded)?))).collect::<Result<Vec<_>, String>>()?;
+    let mut gpus = Vec::new();
+    let mut missing = String::new();
+    for gpu in &GPUS {
+        match of_gpu(driver, gpu, recorded) {
+            Ok(shapes) => gpus.push((gpu, shapes)),
+            Err(error) => missing.push_str(&format!("The {} has no estimate: {error}.\n\n", gpu.name)),
+        }
+    }
     text.push_str(&estimates(recorded, frames, &gpus));
+    text.push_str(&missing);
+    text.push_str(CHANGES);
     Ok(text)
 }
 
@@ -40,7 +51,7 @@ fn of_gpu(driver: &Driver, gpu: &Gpu, recorded: &[Recorded]) -> Result<Shapes, S
 
 fn summary(shapes: &Shapes) -> String {
     let all = &shapes.pipelines;
-    let count = |which: fn(&Shape) -> bool| all.iter().filter(|shape| which(shape)).count();
+    let count = |which: fn(&Shape) -> bool| all.iter().flatten().filter(|shape| which(shape)).count();
     format!(
         "{}: {} pipelines, {} of them with 8 of 16 waves or more, {} without scratch, {} without spills, {} within 32 KiB of code.",
         shapes.device,
@@ -64,10 +75,9 @@ fn widened(recorded: &[Recorded], narrow: &Shapes, wide: &Shapes) -> String {
     };
     let before = lines(narrow);
     let fewer = |line: &table::Line| {
-        let known = before.iter().find(|known| known.label == line.label);
-        known.is_none_or(|known| {
-            line.worst.waves < known.worst.waves.min(8.0) || line.worst.spilled_sgprs > known.worst.spilled_sgprs
-        })
+        let known = before.iter().find(|known| known.label == line.label).and_then(|known| known.worst);
+        let (Some(known), Some(worst)) = (known, line.worst) else { return true };
+        worst.waves < known.waves.min(8.0) || worst.spilled_sgprs > known.spilled_sgprs
     };
     let worse: Vec<_> = lines(wide).into_iter().filter(fewer).collect();
     if worse.is_empty() {
@@ -82,6 +92,9 @@ fn widened(recorded: &[Recorded], narrow: &Shapes, wide: &Shapes) -> String {
 fn estimates(recorded: &[Recorded], frames: &[Recording], gpus: &[(&Gpu, Shapes)]) -> String {
     let mut text = "## Estimated frames\n\n".to_owned();
     text.push_str("The built-in scene at 1280 × 720, µs: **m** bound by memory, **a** by arithmetic, **l** by the latency of one wave.\n");
+    for (gpu, shapes) in gpus {
+        text.push_str(&crashes(gpu, recorded, shapes));
+    }
     for frame in frames {
         let _ = write!(text, "\n### {}\n\n| pass |", frame.method);
         gpus.iter().for_each(|(gpu, _)| _ = write!(text, " {} |", gpu.name));
@@ -113,6 +126,24 @@ fn estimates(recorded: &[Recorded], frames: &[Recording], gpus: &[(&Gpu, Shapes)
     text
 }
 
+/// A sentence on pipelines that the driver's compiler crashes at, if there are any.
+fn crashes(gpu: &Gpu, recorded: &[Recorded], shapes: &Shapes) -> String {
+    let lines = table::by_label(recorded, &shapes.pipelines);
+    let crashed: Vec<_> = lines.iter().filter(|line| line.crashed > 0).collect();
+    if crashed.is_empty() {
+        return String::new();
+    }
+    let each = crashed.iter().map(|line| format!("{} of {} of `{}`", line.crashed, line.pipelines, line.label));
+    let each: Vec<_> = each.collect();
+    format!(
+        "\nFor the {} ({}) the driver's compiler crashes at some pipelines, which is its fault: {}. Where a frame has no \
+         other of that pass, the cell is empty, and the total goes without it.\n",
+        gpu.name,
+        shapes.device,
+        each.join(", ")
+    )
+}
+
 fn cell(estimate: &Option<Estimate>) -> String {
     let letter = |bound| match bound {
         Bound::Memory => "m",
@@ -131,8 +162,9 @@ fn of_pass(
     pass: &pellucid_engine::methods::PassProfile,
 ) -> Option<Estimate> {
     let of_frame = |recorded: &Recorded| recorded.label == pass.name && frame.pipelines.contains(recorded);
-    let found = recorded.iter().zip(&shapes.pipelines).filter(|(recorded, _)| of_frame(recorded));
+    let shapes = recorded.iter().zip(&shapes.pipelines).filter_map(|(recorded, shape)| Some((recorded, (*shape)?)));
+    let found = shapes.filter(|(recorded, _)| of_frame(recorded));
     let (recorded, shape) = found.max_by(|a, b| a.1.inverse_throughput.total_cmp(&b.1.inverse_throughput))?;
     let lanes = recorded.subgroup.map(|here| [f64::from(here), f64::from(shape.lanes)]);
-    estimate(gpu, pass, shape, lanes)
+    estimate(gpu, pass, &shape, lanes)
 }

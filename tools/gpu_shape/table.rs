@@ -9,22 +9,33 @@ use crate::record::Recorded;
 pub struct Line {
     pub label: String,
     pub pipelines: usize,
-    pub worst: Shape,
+    /// `None` where all of them crash the driver's compiler.
+    pub worst: Option<Shape>,
+    /// Number of those that crash it.
+    pub crashed: usize,
 }
 
-/// Returns a line for each label, the fewest waves first, then the most scratch and registers.
-pub fn by_label(recorded: &[Recorded], shapes: &[Shape]) -> Vec<Line> {
+/// Returns a line for each label, those that crash the compiler first, then the fewest waves, the most scratch and
+/// registers.
+pub fn by_label(recorded: &[Recorded], shapes: &[Option<Shape>]) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for (recorded, shape) in recorded.iter().zip(shapes) {
-        match lines.iter_mut().find(|line| line.label == recorded.label) {
-            Some(line) => {
-                line.pipelines += 1;
-                line.worst = worst(&line.worst, shape);
-            }
-            None => lines.push(Line { label: recorded.label.clone(), pipelines: 1, worst: *shape }),
+        let place = lines.iter().position(|line| line.label == recorded.label).unwrap_or_else(|| {
+            lines.push(Line { label: recorded.label.clone(), pipelines: 0, worst: None, crashed: 0 });
+            lines.len() - 1
+        });
+        let line = &mut lines[place];
+        line.pipelines += 1;
+        match (shape, &line.worst) {
+            (None, _) => line.crashed += 1,
+            (Some(shape), None) => line.worst = Some(*shape),
+            (Some(shape), Some(known)) => line.worst = Some(worst(known, shape)),
         }
     }
-    let rank = |line: &Line| [line.worst.waves, -line.worst.scratch_bytes, -line.worst.vgprs, -line.worst.code_bytes];
+    let rank = |line: &Line| {
+        let shape = |s: &Shape| [s.waves, -s.scratch_bytes, -s.vgprs, -s.code_bytes];
+        (-(line.crashed as f64), line.worst.as_ref().map(shape))
+    };
     lines.sort_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
     lines
 }
@@ -51,7 +62,15 @@ pub fn markdown(lines: &[Line]) -> String {
     let mut text = "| pass | pipelines | waves of 16 | VGPRs | SGPRs | spilled | scratch B/lane | LDS B | code KiB | latency | inverse throughput | compile ms |
 |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n"
         .to_owned();
-    for Line { label, pipelines, worst: s } in lines {
+    for Line { label, pipelines, worst, crashed } in lines {
+        let label = match crashed {
+            0 => label.clone(),
+            _ => format!("{label} (the driver crashes at {crashed}: its fault)"),
+        };
+        let Some(s) = worst else {
+            let _ = writeln!(text, "| {label} | {pipelines} |{}", " – |".repeat(10));
+            continue;
+        };
         let spilled = s.spilled_vgprs + s.spilled_sgprs;
         let _ = writeln!(
             text,

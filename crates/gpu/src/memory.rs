@@ -34,6 +34,10 @@ pub(super) fn budget(instance: &Instance, physical: vk::PhysicalDevice) -> Optio
     if !has_extension(&instance.raw, physical, ext::memory_budget::NAME) {
         return None;
     }
+    // SAFETY: a plain query on a live instance.
+    let plain = unsafe { instance.raw.get_physical_device_memory_properties(physical) };
+    // RADV of Mesa 22.3 crashes when asked of an integrated GPU that is not there, which has no memory.
+    largest_heap(&plain).filter(|(_, bytes)| *bytes > 0)?;
     let mut budget = vk::PhysicalDeviceMemoryBudgetPropertiesEXT::default();
     let mut properties = vk::PhysicalDeviceMemoryProperties2::default().push_next(&mut budget);
     // SAFETY: a plain query on a live instance; the device has the extension, which a query of the device as such

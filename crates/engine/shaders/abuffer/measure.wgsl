@@ -1,5 +1,5 @@
-// abuffer/measure: the longest list, and how many fragments lie in long ones. One invocation per run of RUN pixels, so
-// that few atomics meet.
+// abuffer/measure: the longest list, and how many fragments lie in long ones. One invocation per RUN pixels, so that
+// few atomics meet; those of a workgroup look at adjacent pixels.
 #import dispatch
 
 struct Lengths {
@@ -15,14 +15,15 @@ override RUN: u32 = 64u;
 override LONG: u32 = 256u;
 
 #main item {
-    let start = item * RUN;
+    let block = item / WG_SIZE * WG_SIZE * RUN;
+    let start = block + item % WG_SIZE;
     if start >= push.count {
         return;
     }
-    let end = min(start + RUN, push.count);
+    let end = min(block + WG_SIZE * RUN, push.count);
     var most = 0u;
     var in_long = 0u;
-    for (var i = start; i < end; i++) {
+    for (var i = start; i < end; i += WG_SIZE) {
         let count = counts[i];
         most = max(most, count);
         in_long += select(0u, count, count > LONG);

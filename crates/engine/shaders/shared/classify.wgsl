@@ -16,13 +16,13 @@ fn class_at(p: u32) -> u32 {
     return class_of(offsets[p + 1u] - offsets[p]);
 }
 
-// How many pixels of a run are in each class; the last element counts those without fragments.
-fn count_classes(run: vec2<u32>) -> array<u32, CLASS_COUNT + 1u> {
+// How many pixels from the first on, in steps, are in each class; the last element counts those without fragments.
+fn count_classes(first: u32, step: u32, end: u32) -> array<u32, CLASS_COUNT + 1u> {
     var found: array<u32, CLASS_COUNT + 1u>;
     for (var c = 0u; c <= CLASS_COUNT; c++) {
         found[c] = 0u;
     }
-    for (var p = run.x; p < run.y; p++) {
+    for (var p = first; p < end; p += step) {
         found[class_at(p)] += 1u;
     }
     return found;

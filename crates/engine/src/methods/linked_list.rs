@@ -95,8 +95,8 @@ pub fn record<'a>(
     let (nodes, fragments) = (room.spare.get().all(), room.fragments.get().all());
     let (node_count, links) = (room.node_count.all(), room.links.get().all());
     let pixels = u64::from(band.pixels[1] - band.pixels[0]);
-    recorder.fill("linked-list/clear", heads.skip(band.pixels[0].into()).first(pixels), NONE)?;
-    recorder.fill("linked-list/clear", node_count, 0)?;
+    let cleared = heads.skip(band.pixels[0].into()).first(pixels);
+    recorder.fill_all("linked-list/clear", &[(cleared, NONE), (node_count, 0)])?;
     link(recorder, Linking { heads, node_count, nodes, links })?;
     for done in (0..longest).step_by(GATHER_STEP as usize) {
         let [band_start, band_end] = band.pixels;

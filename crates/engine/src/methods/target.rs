@@ -111,23 +111,27 @@ impl Target {
 
     /// Records the copy to the host, of the outputs that are wanted there.
     pub fn record_read_back<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
+        let mut copies = Vec::new();
         match (self.outputs.colors, &self.encoder) {
             (Colors::Float, _) => {
                 let [from, to] = [&self.image, &self.image_host].map(|kept| kept.get().slice(0, pixels));
-                recorder.copy("image/read-back", from, to)?;
+                copies.push((from.cast(), to.cast()));
             }
             (Colors::Bytes, Some(encoder)) => {
                 let [from, to] = [&self.bytes, &self.bytes_host].map(|kept| kept.get().slice(0, pixels));
                 encoder.record(recorder, self.image.get().slice(0, pixels), from)?;
-                recorder.copy("image/read-back", from, to)?;
+                copies.push((from, to));
             }
             (Colors::Bytes, None) | (Colors::Stay, _) => {}
         }
         if self.outputs.depth {
             let [from, to] = [&self.depths, &self.depths_host].map(|kept| kept.get().slice(0, pixels));
-            recorder.copy("image/read-back", from, to)?;
+            copies.push((from.cast(), to.cast()));
         }
-        Ok(())
+        match copies.is_empty() {
+            true => Ok(()),
+            false => Ok(recorder.copy_all("image/read-back", &copies)?),
+        }
     }
 
     /// Returns colors and depths of the first pixels as they came to the host.
@@ -181,9 +185,8 @@ impl<'a> Pixels<'a> {
     /// Records that nothing is there.
     pub fn record_nothing(self, recorder: &mut Recorder<'a>, window: Window) -> Result<(), Error> {
         let pixels = bands::pixels(window);
-        recorder.fill("image/clear", self.image.first(pixels), 0)?;
-        recorder.fill("image/clear", self.depths.first(pixels), f32::INFINITY.to_bits())?;
-        Ok(())
+        let [image, depths] = [self.image.first(pixels).cast(), self.depths.first(pixels).cast()];
+        Ok(recorder.fill_all("image/clear", &[(image, 0), (depths, f32::INFINITY.to_bits())])?)
     }
 }
 

@@ -186,11 +186,13 @@ impl Foresight {
         }
         let Some(Answers { found, most: bounds, host, go, .. }) = &self.answers else { return Ok(None) };
         let mut next = first;
-        for slice in words {
-            let to = if foreseen { found } else { host };
-            recorder.copy(name, *slice, to.slice(next, slice.len()))?;
+        let to = if foreseen { found } else { host };
+        let placed = words.iter().map(|slice| {
+            let place = to.slice(next, slice.len());
             next += slice.len();
-        }
+            (*slice, place)
+        });
+        recorder.copy_all(name, &placed.collect::<Vec<_>>())?;
         if !foreseen {
             return Ok(None);
         }

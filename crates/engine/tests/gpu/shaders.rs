@@ -125,7 +125,7 @@ fn every_shader_file_belongs_to_a_pass() {
 
 #[test]
 fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
-    const SINGLE: [&str; 3] = ["abuffer/groups", "abuffer/run_groups", "peel/next"];
+    const SINGLE: [&str; 2] = ["abuffer/run_groups", "peel/next"];
     for (shader, texts) in &*REFLECTED {
         for (variant, reflection) in texts {
             if shader.pass.shader.starts_with("stochastic/draw_") {

@@ -84,6 +84,11 @@ impl Touch {
         Self { slice, writes: true }
     }
 
+    /// Returns `true` if one of these accesses must wait for another.
+    pub(super) fn meet_within(touches: &[Self]) -> bool {
+        touches.iter().enumerate().any(|(place, touch)| touches[..place].iter().any(|other| other.meets(touch)))
+    }
+
     fn meets(&self, other: &Self) -> bool {
         let ([a, b], either) = ([self.slice, other.slice], self.writes || other.writes);
         either && a.buffer == b.buffer && a.offset < b.offset + b.bytes && b.offset < a.offset + a.bytes

@@ -297,21 +297,41 @@ impl<'a> Recorder<'a> {
 
     /// Fills a range with copies of one word, as a pass of its own.
     pub fn fill<T: GpuType>(&mut self, name: &'static str, target: Slice<'a, T>, word: u32) -> Result<(), Error> {
-        self.begin_pass(name, false, Kind::Other, &[Touch::write(target.raw())])?;
-        let raw = target.raw();
-        self.guards.note_write(raw);
-        // SAFETY: ranges of buffers are multiples of four bytes for every `GpuType`.
-        unsafe { self.context.device.cmd_fill_buffer(self.commands, raw.buffer, raw.offset, raw.bytes, word) };
+        self.fill_all(name, &[(target.cast(), word)])
+    }
+
+    /// Fills each range with copies of its word, all in one pass: none waits for another, so they must not overlap.
+    pub fn fill_all(&mut self, name: &'static str, targets: &[(Slice<'a, u32>, u32)]) -> Result<(), Error> {
+        let touches: Vec<Touch> = targets.iter().map(|(target, _)| Touch::write(target.raw())).collect();
+        assert!(!Touch::meet_within(&touches), "{name}: ranges that overlap");
+        self.begin_pass(name, false, Kind::Other, &touches)?;
+        for (target, word) in targets {
+            let raw = target.raw();
+            self.guards.note_write(raw);
+            // SAFETY: ranges of buffers are multiples of four bytes for every `GpuType`.
+            unsafe { self.context.device.cmd_fill_buffer(self.commands, raw.buffer, raw.offset, raw.bytes, *word) };
+        }
         self.end_pass();
         Ok(())
     }
 
     /// Copies one range into another of the same length, as a pass of its own.
     pub fn copy<T: GpuType>(&mut self, name: &'static str, from: Slice<'a, T>, to: Slice<'a, T>) -> Result<(), Error> {
-        assert_eq!(from.len(), to.len(), "{name}: ranges of different length");
-        self.begin_pass(name, false, Kind::Other, &[Touch::read(from.raw()), Touch::write(to.raw())])?;
-        self.guards.note_write(to.raw());
-        self.copy_command(from.raw(), to.raw());
+        self.copy_all(name, &[(from.cast(), to.cast())])
+    }
+
+    /// Copies each range into the other of its pair, which has the same length, all in one pass: none waits for
+    /// another, so that what is written must not overlap anything.
+    pub fn copy_all(&mut self, name: &'static str, pairs: &[(Slice<'a, u32>, Slice<'a, u32>)]) -> Result<(), Error> {
+        let ends = |(from, to): &(Slice<'a, u32>, Slice<'a, u32>)| [Touch::read(from.raw()), Touch::write(to.raw())];
+        let touches: Vec<Touch> = pairs.iter().flat_map(ends).collect();
+        assert!(pairs.iter().all(|(from, to)| from.len() == to.len()), "{name}: ranges of different length");
+        assert!(!Touch::meet_within(&touches), "{name}: ranges that overlap");
+        self.begin_pass(name, false, Kind::Other, &touches)?;
+        for (from, to) in pairs {
+            self.guards.note_write(to.raw());
+            self.copy_command(from.raw(), to.raw());
+        }
         self.end_pass();
         Ok(())
     }

@@ -78,13 +78,11 @@ impl ABuffer {
         let (counts, offsets) = (self.room.counts.get(), self.room.offsets.get());
 
         let mut recorder = timeline.recorder(device)?;
-        recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
-        recorder.fill("abuffer/clear", self.scan.overflow.all(), 0)?;
-        recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
+        let mut zeros = vec![counts.slice(0, pixels + 1), self.scan.overflow.all(), self.lengths.all().cast()];
         if job.storing.bodies() != Bodies::Fragments {
-            recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
-            recorder.fill("abuffer/clear", self.body_lengths.all(), 0)?;
+            zeros.extend([self.bodies.get().all(), self.body_lengths.all().cast()]);
         }
+        recorder.fill_all("abuffer/clear", &zeros.into_iter().map(|words| (words, 0)).collect::<Vec<_>>())?;
         let counting = Counting { raster: job.raster, counts: counts.all(), bodies: self.bodies.get().all() };
         job.storing.record_count(&mut recorder, counting)?;
         let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));

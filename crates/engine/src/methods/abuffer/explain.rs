@@ -7,7 +7,7 @@ use crate::methods::prelude::*;
 pub(crate) const COUNT: [&str; 5] =
     ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
 /// The passes that sort pixels by the length of their lists.
-pub(crate) const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
+pub(crate) const BY_LENGTH: [&str; 2] = ["abuffer/classify", "abuffer/order"];
 /// The passes that put fragments into lists.
 const STORE: [&str; 4] = ["abuffer/store", "linked-list/clear", "linked-list/store", "linked-list/gather"];
 /// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to

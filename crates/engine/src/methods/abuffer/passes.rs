@@ -148,12 +148,7 @@ pass! {
         classes: ReadWrite<u32>,
     }
 
-    /// Turns the sizes of the classes into workgroups, and into places in the work list.
-    pub Groups = "abuffer/groups" {
-        classes: ReadWrite<u32>,
-    }
-
-    /// Puts the pixels of each class into the work list.
+    /// Puts the pixels of each class into the work list, and turns the sizes of the classes into workgroups.
     pub OrderPixels(BandPush) = "abuffer/order" {
         offsets: Read<u32>,
         classes: ReadWrite<u32>,

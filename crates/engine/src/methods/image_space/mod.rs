@@ -237,13 +237,15 @@ impl Filterer {
     /// Records that the image is empty, and the pixel that stands for everything outside of it.
     pub(super) fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &FilterJob<'a>) -> Result<(), Error> {
         job.cloud.record_clear(recorder)?;
-        recorder.fill(CLEAR, self.nearest(job), u32::MAX)?;
-        recorder.fill(CLEAR, self.totals.all(), 0)?;
-        recorder.fill(CLEAR, self.work.all(), 0)?;
         let outside = Self::places(job);
-        recorder.fill(CLEAR, self.depths.get().slice(outside, 1), f32::INFINITY.to_bits())?;
-        recorder.fill(CLEAR, self.colors.get().slice(outside, 1), BACKGROUND_ALPHA.to_bits())?;
-        Ok(())
+        let fills = [
+            (self.nearest(job).cast(), u32::MAX),
+            (self.totals.all().cast(), 0),
+            (self.work.all().cast(), 0),
+            (self.depths.get().slice(outside, 1).cast(), f32::INFINITY.to_bits()),
+            (self.colors.get().slice(outside, 1).cast(), BACKGROUND_ALPHA.to_bits()),
+        ];
+        Ok(recorder.fill_all(CLEAR, &fills)?)
     }
 
     /// Records the copy of the numbers of listed tiles to the host, for [`Self::note`].

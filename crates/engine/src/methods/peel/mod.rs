@@ -260,10 +260,9 @@ impl Peeler {
     ) -> Result<(), Error> {
         let window = job.raster.window;
         let pixels = bands::pixels(window);
-        recorder.fill("peel/clear", self.slots(job), u32::MAX)?;
-        recorder.fill("peel/clear", self.last.get().slice(0, pixels), 0)?;
-        recorder.fill("peel/clear", self.layers.get().all(), 0)?;
-        recorder.fill("peel/clear", self.work.all(), 0)?;
+        let last = self.last.get().slice(0, pixels).cast();
+        let zeros = [last, self.layers.get().all(), self.work.all().cast()].map(|words| (words, 0));
+        recorder.fill_all("peel/clear", &[&[(self.slots(job).cast(), u32::MAX)], &zeros[..]].concat())?;
         target.pixels().record_nothing(recorder, window)
     }
 

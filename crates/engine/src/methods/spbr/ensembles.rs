@@ -194,11 +194,10 @@ impl Ensembles {
     }
 
     fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &SpbrJob<'a>) -> Result<(), Error> {
-        recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
-        recorder.fill("spbr/clear", self.pixels.get().all(), 0)?;
-        recorder.fill("spbr/clear", self.squares.get().all(), 0)?;
-        recorder.fill("spbr/clear", self.counters.get().all(), 0)?;
-        Ok(())
+        let [nearest, pixels] = [self.nearest.get().all().cast(), self.pixels.get().all().cast()];
+        let [squares, counters] = [self.squares.get().all().cast(), self.counters.get().all().cast()];
+        let fills = [(nearest, job.nothing()), (pixels, 0), (squares, 0), (counters, 0)];
+        Ok(recorder.fill_all("spbr/clear", &fills)?)
     }
 
     /// Records that planes are empty again.

@@ -18,10 +18,8 @@ impl Bins {
     ) -> Result<(), Error> {
         let cells = binning.cells();
         let (counts, cursors) = (self.counts.get().slice(0, cells), self.cursors.get().slice(0, cells));
-        recorder.fill("bin/clear", counts, 0)?;
-        recorder.fill("bin/clear", self.scan.overflow.all(), 0)?;
         // Before the dispatches, so that only they wait for one another.
-        recorder.fill("bin/clear", self.longest.all(), 0)?;
+        recorder.fill_all("bin/clear", &[(counts, 0), (self.scan.overflow.all(), 0), (self.longest.all(), 0)])?;
         let (cloud, records) = (job.raster.cloud, self.records[records].get().all());
         let run = Run::new(Dispatch::Invocations(binning.drawn)).variant(count_variant(binning.pairs));
         let count = TileCount { view: cloud.view(), records, bounds: cloud.bounds.all(), counts };

@@ -335,7 +335,6 @@ impl Blender {
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         recorder.fill("abuffer/clear", classes, 0)?;
         recorder.run(&Classify { offsets, classes }, push, &run)?;
-        recorder.run(&Groups { classes }, (), &Run::new(Dispatch::Groups(1)).variant(class_variant()))?;
         recorder.run(&OrderPixels { offsets, classes, pixels }, push, &run)?;
         let words = |place: u64| classes.skip(place).first(CLASS_WORDS * CLASSES.len() as u64 + 1);
         let (placed, counted) = (words(CLASS_PLACED), words(CLASS_TOTAL));
@@ -515,7 +514,6 @@ pub(super) fn shaders() -> Vec<Shader> {
     let ordered = choices.flat_map(|(cut, falloff)| STOPS.map(|stop| ordered_variant(cut, falloff, stop)));
     vec![
         Shader::new::<Classify>([class_variant()]),
-        Shader::new::<Groups>([class_variant()]),
         Shader::new::<OrderPixels>([class_variant()]),
         Shader::new::<ResolveNetwork>(Sorting::Network.kernels(resolving)),
         Shader::new::<ResolveMerge>(Sorting::Merge.kernels(resolving)),
