@@ -10,7 +10,7 @@ use crate::record::{Recorded, Recording};
 use crate::table;
 
 const HEAD: &str = include_str!("page.md");
-/// What one version changed, by figures of two versions of this page.
+/// Changes of one version, by figures of two versions of this page.
 const CHANGES: &str = include_str!("changes.md");
 /// Estimates below this, in microseconds on the first of the GPUs, share a line.
 const SMALL_US: f64 = 50.0;
