@@ -176,5 +176,7 @@ mod tests {
         assert!(!meet(Touch::read(front), Touch::read(across)), "reads do no harm");
         assert!(!meet(Touch::write(front), Touch::write(back)), "neighbors");
         assert!(!meet(Touch::write(front), Touch::write(slice(2, 0, 8))), "another buffer");
+        assert!(Touch::meet_within(&[front, back, across].map(Touch::write)), "the last meets both");
+        assert!(!Touch::meet_within(&[front, back].map(Touch::write)), "one pass fills both");
     }
 }
